@@ -29,6 +29,8 @@ pub mod regular_file;
 pub mod stop;
 pub mod text_line;
 #[cfg(feature = "toml")]
+pub mod toml_line;
+#[cfg(feature = "toml")]
 mod toml_shape;
 #[cfg(feature = "toml")]
 pub mod toml_text;
@@ -53,6 +55,8 @@ pub use plain_text::{PLAIN, escaped, is_plain, shortened};
 pub use reach::{Contact, ContactForces, GoalRecord, ObjectRecord, Recording};
 pub use regular_file::{open_regular, read_bytes, read_text};
 pub use text_line::line_at;
+#[cfg(feature = "toml")]
+pub use toml_line::{line_giving, line_setting};
 #[cfg(feature = "toml")]
 pub use toml_text::parse_toml;
 pub use trial::{Region, Sample, Trial};

@@ -41,7 +41,6 @@ pub mod seed;
 pub mod sensor;
 pub mod simulation;
 pub mod skin;
-mod toml_text;
 
 pub use arm::Arm;
 pub use clutter::{Clutter, PlacedObject};

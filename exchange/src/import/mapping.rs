@@ -8,7 +8,9 @@ use std::sync::Arc;
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
 use underbrush_recording::disk::TRIAL_COLUMNS;
-use underbrush_recording::{Category, Grid, InputError, Limits, TEXT_BYTES, is_plain, parse_toml, read_text, short};
+use underbrush_recording::{
+    Category, Grid, InputError, Limits, TEXT_BYTES, is_plain, line_setting, parse_toml, read_text, short,
+};
 
 /// Frames per second: from one reading in a hundred seconds to a fast vibration sensor.
 pub(super) const RATE_HZ: Limits = Limits::new(0.01, 1e5, "Hz");
@@ -199,24 +201,6 @@ const PER_SECOND: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns
 const NEWTONS: [(&str, f64); 6] =
     [("N", 1.0), ("mN", 1e-3), ("kN", 1e3), ("gf", 9.80665e-3), ("kgf", 9.80665), ("lbf", 4.4482216152605)];
 
-/// The line, from 1, that sets a key `table.key`, or `table[N].key` of a list of tables; the line of the table if the key is
-/// not set, and 1 if there is no such table.
-fn line_setting(text: &str, field: &str) -> usize {
-    let (table, key) = field.split_once('.').unwrap_or((field, ""));
-    let lines = || (1..).zip(text.lines().map(str::trim));
-    let of_list = table.strip_suffix(']').and_then(|table| table.split_once('['));
-    let (header, number) = match of_list {
-        Some((table, number)) => (format!("[[{table}]]"), number.parse().unwrap_or(0)),
-        None => (format!("[{table}]"), 0),
-    };
-    let Some((first, _)) = lines().filter(|(_, line)| line.starts_with(&header)).nth(number) else {
-        return 1;
-    };
-    let within = lines().skip(first).take_while(|(_, line)| !line.starts_with('['));
-    let sets = |line: &str| line.strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
-    within.into_iter().find(|(_, line)| sets(line)).map_or(first, |(number, _)| number)
-}
-
 impl Mapping {
     /// Reads a mapping file.
     ///
@@ -346,7 +330,14 @@ impl Mapping {
     pub(super) fn fault(&self, field: &str, found: String, allowed: impl Into<String>) -> InputError {
         let key = field.rsplit('.').next().unwrap_or(field);
         let remedy = format!("change `{key}` in {}", self.path.display());
-        InputError::new(&self.path, field, found, allowed, remedy).at_line(line_setting(&self.text, field))
+        InputError::new(&self.path, field, found, allowed, remedy).at_line(self.line(field))
+    }
+
+    /// The line, from 1, that sets a field `table.key`, or `table[N].key` of a list of tables; the line of the table if the key
+    /// is not set, and 1 if there is no such table.
+    fn line(&self, field: &str) -> usize {
+        let table = field.split('.').next().unwrap_or(field);
+        [field, table].iter().find_map(|name| line_setting(&self.text, name)).unwrap_or(1)
     }
 
     /// Number of taxels in a frame.
@@ -375,7 +366,7 @@ impl Mapping {
     pub(super) fn unused_label(&self, used: &BTreeSet<usize>) -> Option<String> {
         let number = (0..self.file.label.len()).find(|number| !used.contains(number))?;
         let Label { from_s, to_s, category, .. } = &self.file.label[number];
-        let (line, path) = (line_setting(&self.text, &format!("label[{number}]")), self.path.display());
+        let (line, path) = (self.line(&format!("label[{number}]")), self.path.display());
         let span = format!("{} to {} s", short(*from_s), short(*to_s));
         Some(format!(
             "no frame is within the [[label]] of {category}, {span} ({path}:{line}): its times are those of the log in seconds, \

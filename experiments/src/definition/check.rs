@@ -158,9 +158,11 @@ fn check_limits(file: &ExperimentFile, source: &Source) -> Result<(), InputError
             }
         }
     }
-    for entry in file.classifiers.iter().chain(&file.setting_classifiers) {
+    let classifiers = file.classifiers.iter().map(|entry| ("classifiers.states", entry));
+    let of_settings = file.setting_classifiers.iter().map(|entry| ("setting_classifiers.states", entry));
+    for (name, entry) in classifiers.chain(of_settings) {
         if let Some(states) = entry.states.filter(|states| !STATES.hold(*states as f64) || !entry.is_hmm()) {
-            return fault("classifiers.states", states, format!("a number from {STATES}, for hmm alone"));
+            return fault(name, states, format!("a number from {STATES}, for hmm alone"));
         }
     }
     if let (Some(setting), true) = (file.settings.first(), file.setting_classifiers.is_empty()) {

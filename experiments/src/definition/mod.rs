@@ -88,16 +88,18 @@ impl Experiment {
         let file: ExperimentFile = source.parse("experiment")?;
         check(&file, &source)?;
         let mut scenes = BTreeMap::new();
-        for (name, field) in scene_names(&file) {
-            if !scenes.contains_key(name) {
-                scenes.insert(name.to_owned(), scene(name, &source.field(field, name))?);
+        let names = scene_names(&file);
+        for (name, field) in &names {
+            if !scenes.contains_key(*name) {
+                scenes.insert((*name).to_owned(), scene(name, &source.field(field, name))?);
             }
         }
         check_labels(&file, &scenes, &source)?;
         let mut stems = BTreeSet::new();
-        if let Some(twice) = scenes.iter().find(|(_, scene)| !stems.insert(scene.name.clone())) {
+        if let Some((path, _)) = scenes.iter().find(|(_, scene)| !stems.insert(scene.name.clone())) {
             let allowed = "scene files with different names: the name decides what is drawn";
-            return Err(source.fault("scene", twice.0, allowed));
+            let field = names.iter().find(|(name, _)| name == path).map_or("scene", |(_, field)| field);
+            return Err(source.fault(field, path, allowed));
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         let load_arm =

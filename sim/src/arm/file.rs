@@ -7,7 +7,7 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
-use underbrush_recording::{BodyShape, InputError, PLAIN, is_plain, short};
+use underbrush_recording::{BodyShape, InputError, PLAIN, is_plain, line_setting, short};
 
 use super::inertia::{self, Entries};
 use super::passing::passing_links;
@@ -16,7 +16,6 @@ use super::source::{Source, listed};
 use super::urdf::{Chain, ChainJoint, Said, read_chain};
 use super::{Arm, ArmSource, Joint, LinkCollider, limits, skin_file};
 use crate::geometry::MAX_CORNERS;
-use crate::toml_text::line_of_key;
 
 /// An arm: its URDF, its skin, and the properties that URDF cannot express.
 #[derive(Deserialize, JsonSchema)]
@@ -132,7 +131,7 @@ pub(super) fn assemble(path: &Path, read: &dyn Fn(&Path) -> Result<String, Input
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let named = |key: &str, name: &str| {
-        open(&folder.join(name)).map_err(|error| error.named_in(path, line_of_key(&source.text, key)))
+        open(&folder.join(name)).map_err(|error| error.named_in(path, line_setting(&source.text, key)))
     };
     let urdf = named("urdf", &file.urdf)?;
     let mut chain = read_held_chain(&source, &file, &urdf)?;

@@ -8,7 +8,6 @@ use serde::de::DeserializeOwned;
 use underbrush_recording::{InputError, Limits, TEXT_BYTES, line_at, parse_toml, read_text, short};
 
 use super::limits::DIRECTION;
-use crate::toml_text::sets_key;
 
 /// A file's path and text.
 pub(super) struct Source {
@@ -65,10 +64,12 @@ impl Source {
         allowed: impl Into<String>,
     ) -> InputError {
         let key = field.rsplit('.').next().unwrap_or(field);
+        let sets =
+            |line: &str| line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
         let first = self.line(offset);
         let line = (first..)
             .zip(self.text.lines().skip(first - 1))
-            .find(|(_, line)| sets_key(line, key))
+            .find(|(_, line)| sets(line))
             .map_or(first, |(number, _)| number);
         let remedy = format!("change `{key}` in {}", self.path.display());
         self.fault(field, found, allowed, remedy).at_line(line)

@@ -4,14 +4,13 @@ use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
-use underbrush_recording::{InputError, Recording};
+use underbrush_recording::{InputError, Recording, line_setting};
 
 use super::{Observer, Reach, ReachError, ReachRules, Stop};
 use crate::arm::{Arm, ArmAtStart};
 use crate::controller::{Controller, ControllerKind, Preset};
 use crate::sensor::Sensor;
 use crate::simulation::{Setup, Simulation};
-use crate::toml_text::line_of_key;
 use crate::{Clutter, Scene};
 
 /// Everything that decides a reach except its index.
@@ -101,7 +100,7 @@ impl ReachPlan {
         let arm = match scene.file.arm.as_str() {
             "cody" => Arm::cody()?,
             path => Arm::load(scene.path.parent().unwrap_or(Path::new(".")).join(path))
-                .map_err(|error| error.named_in(&scene.path, line_of_key(&scene.text, "arm")))?,
+                .map_err(|error| error.named_in(&scene.path, line_setting(&scene.text, "arm")))?,
         };
         ReachPlan::with_arm(scene, arm, controller, seed)
     }

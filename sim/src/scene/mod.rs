@@ -2,18 +2,18 @@
 //! are in `file.rs`. See `scenes/` for examples and `underbrush schema` for the JSON Schema.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use underbrush_recording::limits::{TEXT_BYTES, first_outside, short};
-use underbrush_recording::{Category, FRAME_PERIOD_S, InputError, PLAIN, is_plain, line_at, parse_toml, read_text};
+use underbrush_recording::{
+    Category, FRAME_PERIOD_S, InputError, PLAIN, is_plain, line_at, line_setting, parse_toml, read_text,
+};
 
 use crate::arm::Arm;
 use crate::materials::{MaterialFile, MaterialsSection};
 use crate::object::COLLIDING_KINDS;
 use crate::range::{Limited, PLACE_M, Placement, YAW_DEG};
 use crate::sensor::Fault;
-use crate::toml_text::sets_key;
 use content::objects_hash;
 
 mod camera;
@@ -308,46 +308,11 @@ impl Scene {
         Err(if span.is_empty() { fault } else { fault.at_line(line_at(&self.text, span.start)) })
     }
 
-    /// An error about this file. Its line is the one that sets the last part of `field`, searched for in the group that
-    /// `field` names, if there is exactly one such line.
+    /// An error about this file, at the line that sets `field`.
     pub(crate) fn fault(&self, field: &str, found: impl ToString, allowed: impl Into<String>) -> InputError {
-        let fault =
-            InputError::new(&self.path, field, found.to_string(), allowed, "change the value in the scene file");
-        let key = field.rsplit('.').next().unwrap_or(field);
-        // A group without a header is an inline table, or its keys are dotted, before the first header.
-        let group = self.group_lines(field);
-        let top = field.split(['.', '[']).next().unwrap_or(field);
-        let sets = |line: &str| match group {
-            Some(_) => sets_key(line, key),
-            None => sets_key(line, field) || sets_key(line, top),
-        };
-        let before_headers = || {
-            let first = self.text.lines().position(|line| line.trim_start().starts_with('['));
-            0..first.unwrap_or(usize::MAX)
-        };
-        let range = group.clone().unwrap_or_else(before_headers);
-        let mut lines = self.text.lines().enumerate().filter(|(number, line)| range.contains(number) && sets(line));
-        match (lines.next(), lines.next()) {
-            (Some((line, _)), None) => fault.at_line(line + 1),
-            _ => fault,
-        }
-    }
-
-    /// The lines, counted from 0, of the group that contains a field such as `objects.leaf[1].count` or `goals.count`:
-    /// from its header to the next one.
-    fn group_lines(&self, field: &str) -> Option<Range<usize>> {
-        let (header, number) = match field.split_once('[') {
-            Some((kind, rest)) => (format!("[[{kind}]]"), rest.split_once(']')?.0.parse().ok()?),
-            None => (format!("[{}]", field.rsplit_once('.')?.0), 0),
-        };
-        let headers = |wanted: &str| -> Vec<usize> {
-            let lines = self.text.lines().enumerate();
-            let begins = lines.filter(|(_, line)| line.trim_start().starts_with(wanted));
-            begins.map(|(number, _)| number).collect()
-        };
-        let start = *headers(&header).get::<usize>(number)?;
-        let next = headers("[").into_iter().find(|line| *line > start);
-        Some(start..next.unwrap_or(usize::MAX))
+        let remedy = "change the value in the scene file";
+        let fault = InputError::new(&self.path, field, found.to_string(), allowed, remedy);
+        fault.at_line(line_setting(&self.text, field))
     }
 }
 
