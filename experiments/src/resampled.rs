@@ -19,6 +19,14 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// The number with its interval in brackets, both times `scale` and with this many decimals; `-` if it is not known.
+    pub fn text(&self, scale: f64, decimals: usize) -> String {
+        let rounded = |number: f64| format!("{:.decimals$}", scale * number);
+        let Some(value) = self.value else { return "-".into() };
+        let interval = self.interval.map(|[low, high]| format!(" ({} to {})", rounded(low), rounded(high)));
+        rounded(value) + &interval.unwrap_or_default()
+    }
+
     /// The statistic of all reaches, and its interval. The same reaches give the same interval.
     pub(crate) fn of<R: Sync>(reaches: &[R], statistic: impl Fn(&[&R]) -> Option<f64> + Sync) -> Self {
         Estimate::of_groups(&[reaches], |groups| statistic(&groups[0]))

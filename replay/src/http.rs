@@ -41,18 +41,24 @@ impl Default for Limits {
 
 /// A request whose head has arrived.
 pub struct Request {
+    /// Its head.
+    pub head: Head,
+    stream: TcpStream,
+}
+
+/// The head of a request.
+pub struct Head {
     /// The method, in capitals.
     pub method: String,
     /// The path with the query.
     pub target: String,
     fields: Vec<(String, String)>,
-    stream: TcpStream,
 }
 
 impl Request {
     /// The value of a header field that is given once.
     pub fn value(&self, name: &str) -> Option<&str> {
-        let mut own = self.fields.iter().filter(|(field, _)| field.eq_ignore_ascii_case(name));
+        let mut own = self.head.fields.iter().filter(|(field, _)| field.eq_ignore_ascii_case(name));
         let (_, value) = own.next().filter(|_| own.next().is_none())?;
         Some(value)
     }
@@ -60,7 +66,7 @@ impl Request {
     /// Sends the answer and closes the connection.
     pub fn respond(mut self, answer: &Response, limits: &Limits) {
         // The other side may have left.
-        if answer.write(&mut self.stream, self.method == "HEAD").is_ok() {
+        if answer.write(&mut self.stream, self.head.method == "HEAD").is_ok() {
             close(self.stream, limits);
         }
     }
@@ -107,7 +113,7 @@ fn converse(mut stream: TcpStream, limits: Limits, handle: &impl Fn(Request)) {
         return;
     }
     match read(&mut stream, &limits) {
-        Ok(Head { method, target, fields }) => handle(Request { method, target, fields, stream }),
+        Ok(head) => handle(Request { head, stream }),
         Err(Some(refusal)) if refusal.write(&mut stream, false).is_ok() => close(stream, &limits),
         Err(_) => {}
     }
@@ -137,13 +143,6 @@ fn read_until(stream: &mut TcpStream, deadline: Instant, bytes: &mut [u8]) -> st
             done => return done,
         }
     }
-}
-
-/// The head of a request.
-struct Head {
-    method: String,
-    target: String,
-    fields: Vec<(String, String)>,
 }
 
 /// Why there is no request: it is refused with this answer, or the client has left or has not sent anything, as browsers

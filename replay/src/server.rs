@@ -106,7 +106,7 @@ fn random_key() -> io::Result<String> {
 
 impl Shared {
     fn serve(&self, request: Request, limits: &Limits) {
-        let path = self.path(&request.target).map(str::to_owned);
+        let path = self.path(&request.head.target).map(str::to_owned);
         let answer = match &path {
             Some(path) => self.refusal(&request, path).unwrap_or_else(|| self.answer(&request, path)),
             None => {
@@ -137,7 +137,7 @@ impl Shared {
             return Some(Response::text(403, "this server answers only for its own address on this machine"));
         }
         let commands = matches!(self.content, Content::Running(_));
-        match request.method.as_str() {
+        match request.head.method.as_str() {
             "GET" | "HEAD" => None,
             // Another site could send a command, but not with this server as its origin.
             "POST" if commands && path.starts_with(COMMAND) => {
@@ -154,7 +154,7 @@ impl Shared {
         let number = path.strip_prefix("/api/reach/").filter(is_number);
         // A number that does not fit into `usize` is not in the list either.
         let number = number.map(|number| number.parse().unwrap_or(usize::MAX));
-        let command = path.strip_prefix(COMMAND).filter(|_| request.method == "POST");
+        let command = path.strip_prefix(COMMAND).filter(|_| request.head.method == "POST");
         match (&self.content, number, command) {
             _ if path == "/" => Response::new(200, "text/html; charset=utf-8", PAGE.as_bytes()),
             (Content::Stored(source, _), ..) if path == "/api/reaches" => Response::list(&source.reaches),
@@ -162,7 +162,7 @@ impl Shared {
             (Content::Running(running), ..) if path == "/api/reaches" => running.list(),
             (Content::Running(running), Some(number), _) => running.reach(number, query),
             (Content::Running(running), _, Some(command)) => running.command(command),
-            (Content::Running(_), ..) if path == STATUS && request.method == "GET" => Response::text(200, ""),
+            (Content::Running(_), ..) if path == STATUS && request.head.method == "GET" => Response::text(200, ""),
             _ => Response::text(404, "no such page"),
         }
     }

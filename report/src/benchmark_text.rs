@@ -86,9 +86,9 @@ fn of_reaching(reaching: &Reaching) -> String {
     let figures = [
         ("goals reached without more than 5 N on a trunk / %", percent(&reaching.reached_gently)),
         ("goals reached / %", percent(&reaching.reached)),
-        ("time for each goal reached / s", number(&reaching.seconds_for_each, 2)),
-        ("largest force on a trunk in a reach, mean / N", number(&reaching.trunk_peak_n, 2)),
-        ("impulse on leaves in a reach, mean / N s", number(&reaching.leaf_impulse_n_s, 2)),
+        ("time for each goal reached / s", reaching.seconds_for_each.text(1.0, 2)),
+        ("largest force on a trunk in a reach, mean / N", reaching.trunk_peak_n.text(1.0, 2)),
+        ("impulse on leaves in a reach, mean / N s", reaching.leaf_impulse_n_s.text(1.0, 2)),
         ("largest force on a trunk in any reach / N", format!("{:.1}", reaching.largest_on_trunk_n)),
     ];
     let table = Rows::of(&figures).column("figure", |own| own.0).column("value", |own| own.1.as_str()).text();
@@ -97,12 +97,5 @@ fn of_reaching(reaching: &Reaching) -> String {
 }
 
 fn percent(share: &Estimate) -> String {
-    let of = |value: f64| 100.0 * value;
-    number(&Estimate { value: share.value.map(of), interval: share.interval.map(|ends| ends.map(of)) }, 1)
-}
-
-fn number(estimate: &Estimate, digits: usize) -> String {
-    let Some(value) = estimate.value else { return "-".into() };
-    let interval = estimate.interval.map(|[low, high]| format!(" ({low:.digits$} to {high:.digits$})"));
-    format!("{value:.digits$}{}", interval.unwrap_or_default())
+    share.text(100.0, 1)
 }

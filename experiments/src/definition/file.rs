@@ -224,7 +224,7 @@ pub struct ControllerSection {
     pub reaches: u64,
 }
 
-/// A recipe for hidden Markov models.
+/// A recipe for hidden Markov models, in the order of [`Recipe::PRESETS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RecipeName {
@@ -237,18 +237,12 @@ pub enum RecipeName {
 impl RecipeName {
     /// Its name in files and tables.
     pub fn name(self) -> &'static str {
-        match self {
-            RecipeName::Authors => "authors",
-            RecipeName::Modern => "modern",
-        }
+        Recipe::PRESETS[self as usize].0
     }
 
     /// The recipe with this name.
     pub fn recipe(self) -> Recipe {
-        match self {
-            RecipeName::Authors => Recipe::authors(),
-            RecipeName::Modern => Recipe::modern(),
-        }
+        Recipe::PRESETS[self as usize].1()
     }
 }
 

@@ -25,7 +25,7 @@ fn start(limits: Limits) -> u16 {
     let port = listener.local_addr().unwrap().port();
     std::thread::spawn(move || {
         serve(&listener, limits, move |request| {
-            let answer = match request.target.as_str() {
+            let answer = match request.head.target.as_str() {
                 "/large" => Response::new(200, "text/plain", vec![b'x'; MANY_BYTES]),
                 _ => Response::text(200, "fine"),
             };

@@ -51,12 +51,9 @@ fn compared(
 }
 
 fn table(outcome: &ComparedControllers) -> Table {
-    let with_interval = |own: Estimate, scale: f64, decimals: usize| match (own.value, own.interval) {
-        (Some(value), Some([low, high])) => {
-            let [value, low, high] = [value, low, high].map(|number| format!("{:.decimals$}", scale * number));
-            Cell::from(format!("{value} ({low} to {high})"))
-        }
-        (value, _) => Cell::optional(value.map(|value| scale * value), decimals),
+    let with_interval = |own: Estimate, scale: f64, decimals: usize| match own.interval {
+        Some(_) => Cell::from(own.text(scale, decimals)),
+        None => Cell::optional(own.value.map(|value| scale * value), decimals),
     };
     Rows::of(outcome.controllers.iter().enumerate())
         .column("", |(place, _)| place + 1)
