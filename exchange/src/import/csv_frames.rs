@@ -127,9 +127,9 @@ pub(super) fn read(
         let category = match columns.category {
             Some(column) => cell(column),
             None => {
-                let label = mapping.label(reach, time_s);
-                used_labels.extend(label);
-                mapping.category(label)
+                let [own, general] = mapping.labels(reach, time_s);
+                used_labels.extend([own, general].into_iter().flatten());
+                mapping.category(own.or(general))
             }
         };
         for (numbers, columns) in channels.iter_mut().zip(&columns.channels) {

@@ -350,10 +350,10 @@ impl Mapping {
         self.path.with_file_name("").join(path)
     }
 
-    /// The first label that covers a time of a reach.
-    pub(super) fn label(&self, reach: u64, time_s: f64) -> Option<usize> {
-        let holds = |own: &Label| own.reach.is_none_or(|of| of == reach) && (own.from_s..own.to_s).contains(&time_s);
-        self.file.label.iter().position(holds)
+    /// The labels that cover a time of a reach: one of this reach, which counts first, and one of all reaches.
+    pub(super) fn labels(&self, reach: u64, time_s: f64) -> [Option<usize>; 2] {
+        let holds = |own: &Label| (own.from_s..own.to_s).contains(&time_s);
+        [Some(reach), None].map(|of| self.file.label.iter().position(|own| own.reach == of && holds(own)))
     }
 
     /// The category of a label, or else that of all trials. Empty if neither is given.

@@ -76,6 +76,21 @@ fn neighbours_in_contact_form_a_region() {
     assert_eq!((error.field.as_str(), error.allowed.as_str()), ("grid.rows", "a grid of 3 taxels"));
 }
 
+/// Tests that a label of the reach counts before one of all reaches, whichever comes first, and that none is called unused.
+#[test]
+fn a_label_of_the_reach_counts_before_a_general_one() {
+    let (_folder, path) = file("log.csv");
+    written(&path, "t,f\n0.5,1\n1.5,1\n");
+    let label = |more: &str, category: &str| format!("[[label]]\nfrom_s = 0\n{more}\ncategory = \"{category}\"\n");
+    let (all, own) = (label("to_s = 2", "leaf"), label("to_s = 1\nreach = 0", "trunk"));
+    for labels in [format!("{all}{own}"), format!("{own}{all}")] {
+        let found = imported(&path, &format!("[time]\nfrom = \"t\"\n[force]\nfrom = \"f\"\n{labels}")).unwrap();
+        let categories: Vec<_> = found.trials.iter().map(|own| own.category.as_deref()).collect();
+        assert_eq!(categories, [Some("trunk"), Some("leaf")]);
+        assert!(!found.warning.unwrap_or_default().contains("no frame is within"));
+    }
+}
+
 /// Tests that labels by interval end contacts where they change, and that what no label covers has the category of all.
 #[test]
 fn labels_hold_from_one_time_to_another() {
