@@ -1,7 +1,7 @@
 //! Contacts of parts without skin, from the torques of the joints.
 //!
-//! Gravity is compensated, so the torque K (φ − q) − D q̇ of an arm that moves slowly balances its contacts. What the
-//! skin's contacts do not explain is explained by one force along the normal of the bare surface where it fits best
+//! Gravity is compensated, so the torque K (φ − q) − D q̇ − M q̈ balances the contacts of the arm. What the skin's
+//! contacts do not explain is explained by one force along the normal of the bare surface where it fits best
 //! (De Luca and Mattone, ICRA 2005, give the residual; the search over the surface is a choice).
 
 use glam::DVec3;
@@ -12,7 +12,7 @@ use super::arm_shapes::ArmShapes;
 use super::map::Touch;
 use crate::{Arm, ControllerInput};
 
-/// Torques below this are friction and inertia, Nm: 3 N at a third of a metre.
+/// Torques below this are friction and what is not known of the acceleration, Nm: 3 N at a third of a metre.
 const LEAST_NM: f64 = 1.0;
 /// A force explains the torques if what is left of them is below this share.
 const UNEXPLAINED: f64 = 0.4;
@@ -55,12 +55,14 @@ impl BareSurface {
     }
 
     /// The force on the bare surface that explains the torques that the skin's contacts do not explain, N, and where it
-    /// acts; with it, how fast a change of the joint angles moves that place into what presses, m/rad each.
+    /// acts; with it, how fast a change of the joint angles moves that place into what presses, m/rad each. `acceleration`
+    /// is that of the joints, rad/s².
     pub(super) fn touch(
         &self,
         arm: &Arm,
         link_poses: &[Pose],
         input: &ControllerInput<'_>,
+        acceleration: &DVector<f64>,
         time_s: f64,
     ) -> Option<(f64, Touch, DVector<f64>)> {
         let vector = |vector: DVec3| Vector3::from(vector.to_array());
@@ -69,10 +71,11 @@ impl BareSurface {
                 - joint.damping_nm_s_per_rad * input.joint_velocity_rad_per_s[index]
         });
         let mut torque = DVector::from_iterator(arm.joints.len(), joints);
+        let inertial_nm = (arm.mass_matrix(link_poses) * acceleration).norm();
         for contact in input.contacts {
             torque += contact.position_jacobian.tr_mul(&vector(contact.inward_normal_world)) * contact.force_n;
         }
-        if torque.norm() < LEAST_NM {
+        if torque.norm() < LEAST_NM + inertial_nm {
             return None;
         }
         let fit = |(link, point, normal): &(usize, DVec3, DVec3)| {

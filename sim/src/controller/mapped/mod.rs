@@ -11,6 +11,7 @@
 use std::borrow::Cow;
 use std::collections::VecDeque;
 
+use nalgebra::DVector;
 use underbrush_recording::{MappedObstacle, Pose};
 
 use self::arm_shapes::{ArmShapes, largest_change_rad};
@@ -97,6 +98,8 @@ pub struct Mapped {
     knows_all: bool,
     trust: Trust,
     time_s: f64,
+    /// Velocities of the joints at the last control step, rad/s.
+    velocity_rad_per_s: Vec<f64>,
     plans: u64,
     trail: VecDeque<Vec<f64>>,
     pursuit: Option<Pursuit>,
@@ -119,6 +122,7 @@ impl Mapped {
             knows_all: false,
             trust: Trust::default(),
             time_s: 0.0,
+            velocity_rad_per_s: vec![0.0; arm.joints.len()],
             plans: 0,
             trail: VecDeque::new(),
             pursuit: None,
@@ -191,7 +195,8 @@ impl Mapped {
             None => difference(&own.path.at(own.at_steps + 6.0), &own.path.at(own.at_steps)),
         };
         let mut share = largest_share(&contacts, &ahead);
-        let bare = self.bare.touch(&self.arm, link_poses, input, self.time_s);
+        let change = DVector::from(difference(input.joint_velocity_rad_per_s, &self.velocity_rad_per_s));
+        let bare = self.bare.touch(&self.arm, link_poses, input, &(change * self.preset.rate_hz), self.time_s);
         if let Some((force_n, _, into)) = &bare
             && into.iter().zip(&ahead).map(|(into, change)| into * change).sum::<f64>() > 0.0
         {
@@ -269,6 +274,7 @@ impl Controller for Mapped {
             self.begin(input);
         }
         let (equilibrium_angle_rad, intent) = self.go_on(input, &poses);
+        self.velocity_rad_per_s = input.joint_velocity_rad_per_s.to_vec();
         ControllerOutput { equilibrium_angle_rad, status: ControlStatus::Solved, intent }
     }
 }

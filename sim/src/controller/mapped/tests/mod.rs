@@ -276,7 +276,8 @@ fn damping_says_how_fast_the_arm_pushes_on() {
     }
 }
 
-/// Tests that a force on a part without skin is found where it acts, from the torques of the joints alone.
+/// Tests that a force on a part without skin is found where it acts, from the torques of the joints alone, and that
+/// torques that accelerate the arm are none.
 #[test]
 fn bare_contacts_are_found_from_torques() {
     let arm = Arm::cody().unwrap();
@@ -300,13 +301,17 @@ fn bare_contacts_are_found_from_torques() {
         goal_position_world: DVec3::ZERO,
         contacts: &[],
     };
-    let (force_n, touch, _) = bare.touch(&arm, &poses, &input, 0.0).unwrap();
+    let still = nalgebra::DVector::zeros(7);
+    let (force_n, touch, _) = bare.touch(&arm, &poses, &input, &still, 0.0).unwrap();
     assert!((force_n - 8.0).abs() < 1.0, "{force_n} N");
     assert!(touch.position_world.distance(point) < 0.05, "{}", touch.position_world.distance(point));
     assert!(touch.outward_normal_world.dot(DVec3::NEG_Y) > 0.8);
+    // An arm that these torques accelerate touches nothing.
+    let acceleration = arm.mass_matrix(&poses).cholesky().unwrap().solve(&-torque);
+    assert!(bare.touch(&arm, &poses, &input, &acceleration, 0.0).is_none());
     // Without a contact there is none.
     let rest = ControllerInput { equilibrium_angle_rad: &q, ..input };
-    assert!(bare.touch(&arm, &poses, &rest, 0.0).is_none());
+    assert!(bare.touch(&arm, &poses, &rest, &still, 0.0).is_none());
 }
 
 /// Pushes springs of these stiffnesses, N/m, one after the other along y at 0.05 m/s for a second, all with this verdict.
