@@ -9,6 +9,7 @@ use underbrush_classifier::{Model, frequencies};
 use underbrush_recording::disk::{
     ArmText, Dataset, FileText, is_folder, is_recording, is_there, read_recording, read_trials,
 };
+use underbrush_recording::math::median;
 use underbrush_recording::{Fault, InputError};
 use underbrush_sim::arm::wedge::{Wedge, wedges};
 use underbrush_sim::arm::{Arm, ArmAtStart, is_arm_file};
@@ -209,13 +210,12 @@ fn recording(path: &Path) -> Result<Value, Fault> {
 fn trials(path: &Path) -> Result<Value, Fault> {
     let trials = read_trials(path)?;
     let categories = frequencies(trials.iter().map(|trial| trial.category.as_deref().unwrap_or("unknown")));
-    let mut lengths: Vec<usize> = trials.iter().map(|trial| trial.samples.len()).collect();
-    lengths.sort_unstable();
+    let lengths = trials.iter().map(|trial| trial.samples.len());
     Ok(json!({
         "table": path.display().to_string(),
         "trials": trials.len(),
-        "samples": lengths.iter().sum::<usize>(),
-        "median_samples": lengths.get(lengths.len() / 2),
+        "samples": lengths.clone().sum::<usize>(),
+        "median_samples": median(lengths.map(|samples| samples as f64).collect()),
         "trials_by_category": categories,
         "has_motion": trials.iter().flat_map(|trial| &trial.samples).all(|sample| sample.motion_m.is_some()),
         "check": "sound",

@@ -234,6 +234,6 @@ class TouchEvaluation(TypedDict):
     calibration: list[dict[str, Any]]
     expected_calibration_error: float | None
     first_right_verdict: list[dict[str, Any]]
-    median_samples_until_right: int | None
+    median_samples_until_right: float | None
     spurious_called_nothing: float | None
     touches_lost: float | None

@@ -10,9 +10,24 @@ pub use libm::{
     pow as powf, sin, sincos as sin_cos, tanh,
 };
 
+/// The median: the mean of the two middle values if the count is even. `None` without values.
+pub fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    let upper = *values.get(middle)?;
+    Some(if values.len() % 2 == 0 { f64::midpoint(values[middle - 1], upper) } else { upper })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Tests that an even count gives the mean of the two middle values.
+    #[test]
+    fn the_median_is_in_the_middle() {
+        assert_eq!(median(vec![4.0, 1.0, 2.0, 9.0]), Some(3.0));
+        assert_eq!((median(vec![9.0, 1.0, 2.0]), median(Vec::new())), (Some(2.0), None));
+    }
 
     /// Tests the functions bit by bit against values computed once, at arguments at which math libraries differ.
     #[test]

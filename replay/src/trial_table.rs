@@ -10,6 +10,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use underbrush_recording::limits::MAX_TAXELS;
+use underbrush_recording::math::median;
 use underbrush_recording::{
     Category, Frame, Grid, InputError, ObjectRecord, Patch, Pose, Recording, SkinLayout, Taxel, TaxelReading, Trial,
 };
@@ -136,10 +137,7 @@ fn period_s(trials: &[&Trial]) -> f64 {
         let pairs = trial.samples.windows(2);
         pairs.map(|pair| pair[1].time_s - pair[0].time_s).collect()
     };
-    let mut periods_s: Vec<f64> = trials.iter().flat_map(of_trial).collect();
-    periods_s.sort_by(f64::total_cmp);
-    let median = periods_s.get(periods_s.len() / 2).copied();
-    median.unwrap_or(underbrush_recording::FRAME_PERIOD_S)
+    median(trials.iter().flat_map(of_trial).collect()).unwrap_or(underbrush_recording::FRAME_PERIOD_S)
 }
 
 /// One frame for each time at which there is a sample, and frames without forces between contacts. Times begin

@@ -1,6 +1,7 @@
 //! Figures of verdicts on what touches the skin.
 
 use serde::Serialize;
+use underbrush_recording::math::median;
 
 use super::touch::{CalibrationBin, TouchEvaluation, TouchTally};
 use super::touch_object::JudgedObject;
@@ -36,7 +37,7 @@ pub struct TouchFigures {
     /// How many of these contacts had a right verdict after 1, 2, 3, … samples.
     pub first_right_verdict: Vec<RightWithin>,
     /// Median number of samples until the first right verdict, over the contacts that had one.
-    pub median_samples_until_right: Option<usize>,
+    pub median_samples_until_right: Option<f64>,
     /// Mean difference between probability and frequency of the likeliest class.
     pub expected_calibration_error: Option<f64>,
     /// Mean squared error of the probabilities.
@@ -130,7 +131,7 @@ impl TouchFigures {
             contacts_at_end: evaluation.accuracy(categories, |own| own.at_end),
             contacts_after_tenth_second: evaluation.accuracy(categories, |own| own.after_tenth_second),
             first_right_verdict: first_right(&until_right, contacts.len()),
-            median_samples_until_right: until_right.get(until_right.len() / 2).copied(),
+            median_samples_until_right: median(until_right.iter().map(|own| *own as f64).collect()),
             expected_calibration_error: evaluation.expected_calibration_error(),
             brier_score: evaluation.brier_score(),
             calibration: evaluation.calibration.to_vec(),
@@ -212,7 +213,7 @@ mod tests {
             own.unwrap().share
         };
         assert_eq!([Some(1), Some(2), Some(3), Some(12), None].map(within), [0.25, 0.25, 0.5, 0.75, 0.75]);
-        assert_eq!(figures.median_samples_until_right, Some(3));
+        assert_eq!(figures.median_samples_until_right, Some(3.0));
     }
 
     /// Tests that an empty evaluation has no figures, rather than zeros.

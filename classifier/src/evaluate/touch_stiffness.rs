@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use underbrush_recording::math::median;
 
 use super::touch_object::JudgedObject;
 
@@ -35,15 +36,14 @@ impl StiffnessFigures {
             let ratio = told.median_n_per_m / truth_n_per_m;
             ratios.entry(&own.truth).or_default().push([ratio, f64::from(u8::from(is_held))]);
         }
-        let figures = |(truth, mut ratios): (&str, Vec<[f64; 2]>)| {
-            ratios.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let figures = |(truth, ratios): (&str, Vec<[f64; 2]>)| {
             let count = ratios.len() as f64;
             StiffnessFigures {
                 truth: truth.to_owned(),
                 objects: ratios.len(),
                 within_twice: ratios.iter().filter(|own| (0.5..=2.0).contains(&own[0])).count() as f64 / count,
                 held: ratios.iter().map(|own| own[1]).sum::<f64>() / count,
-                median_ratio: ratios[ratios.len() / 2][0],
+                median_ratio: median(ratios.iter().map(|own| own[0]).collect()).unwrap_or(f64::NAN),
             }
         };
         ratios.into_iter().map(figures).collect()
@@ -80,6 +80,7 @@ mod tests {
         let figures = StiffnessFigures::of(&objects);
         assert_eq!(figures.len(), 1);
         assert_eq!((figures[0].objects, figures[0].median_ratio), (3, 1.8));
+        assert_eq!(StiffnessFigures::of(&objects[1..3])[0].median_ratio, 2.9);
         assert!((figures[0].within_twice - 2.0 / 3.0).abs() < 1e-12 && (figures[0].held - 2.0 / 3.0).abs() < 1e-12);
     }
 }

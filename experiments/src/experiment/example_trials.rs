@@ -1,6 +1,7 @@
 //! Force and motion of typical trials (paper, Fig. 5).
 
 use serde::Serialize;
+use underbrush_recording::math::median;
 use underbrush_recording::{Fault, Trial};
 
 use crate::{Session, training};
@@ -102,29 +103,19 @@ fn examples(labels: &[&str], taxel_trials: &[Trial]) -> Vec<Example> {
 fn medians(labels: &[&str], taxel_trials: &[Trial]) -> Vec<Typical> {
     let typical = |label: &&str| {
         let trials = touched_trials(label, taxel_trials);
-        let over = |value: fn(&Trial) -> f64| median(trials.iter().map(|trial| value(trial)).collect());
+        let over =
+            |value: fn(&Trial) -> f64| median(trials.iter().map(|trial| value(trial)).collect()).unwrap_or(f64::NAN);
         // At 100 Hz; the first sample is the start of the contact.
         let early = trials.iter().filter_map(|trial| trial.samples.get(10));
         (!trials.is_empty()).then(|| Typical {
             category: (*label).to_owned(),
             trials: trials.len(),
-            force_after_100_ms_n: median(early.map(|sample| sample.force_n).collect()),
+            force_after_100_ms_n: median(early.map(|sample| sample.force_n).collect()).unwrap_or(f64::NAN),
             peak_force_n: over(peak_force_n),
             motion_m: over(motion_m),
         })
     };
     labels.iter().filter_map(typical).collect()
-}
-
-/// The median; the mean of the two middle values if the count is even. NaN without values.
-pub(crate) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    match values.len() % 2 {
-        _ if values.is_empty() => f64::NAN,
-        0 => f64::midpoint(values[middle - 1], values[middle]),
-        _ => values[middle],
-    }
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use serde::Serialize;
 use underbrush_recording::Fault;
+use underbrush_recording::math::median;
 
 use crate::frame_verdicts::{self, Classified, Online, Shares};
 use crate::session::Session;
@@ -57,8 +58,5 @@ pub fn run(session: &Session) -> Result<AccuracyOverTime, Fault> {
 pub fn median_seconds_per_100_taxels(reach: &Classified) -> Option<f64> {
     let frames = reach.stream.frames.iter().zip(&reach.stream.seconds);
     let with_contact = frames.filter(|(frame, _)| frame.in_contact > 0);
-    let mut seconds: Vec<f64> =
-        with_contact.map(|(frame, seconds)| 100.0 * seconds / frame.in_contact as f64).collect();
-    seconds.sort_by(f64::total_cmp);
-    seconds.get(seconds.len() / 2).copied()
+    median(with_contact.map(|(frame, seconds)| 100.0 * seconds / frame.in_contact as f64).collect())
 }

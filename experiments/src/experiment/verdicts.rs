@@ -41,7 +41,7 @@ pub struct Verdicts {
     /// The share of the most frequent category among them: the accuracy of always naming it.
     pub largest_category_share: Option<f64>,
     /// Median number of samples until the first right verdict, over the contacts that get one.
-    pub median_samples_until_right: Option<usize>,
+    pub median_samples_until_right: Option<f64>,
     /// Share of the contacts that get a right verdict before they end.
     pub ever_right: Option<f64>,
     /// Share of the taxel frames in contact without anything pressing that are called nothing.

@@ -4,10 +4,9 @@ use serde::Serialize;
 use underbrush_classifier::decision::Verdict;
 use underbrush_classifier::evaluate::{JudgedObject, NOTHING, Stream, Tally};
 use underbrush_classifier::touch::Touch;
+use underbrush_recording::math::median;
 use underbrush_recording::{Category, ContactForces, Recording};
 use underbrush_sim::audit;
-
-use crate::experiment::example_trials::median;
 
 /// How the values of all reaches become one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -292,7 +291,7 @@ fn first_right(reach: &Measured, category: Option<Category>) -> Option<Vec<Optio
 
 fn samples_to_right(reach: &Measured, category: Option<Category>) -> Option<f64> {
     let samples = first_right(reach, category)?.into_iter().flatten().map(|samples| samples as f64);
-    Some(median(samples.collect())).filter(|median| !median.is_nan())
+    median(samples.collect())
 }
 
 fn never_right(reach: &Measured, category: Option<Category>) -> Option<f64> {

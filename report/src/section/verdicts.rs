@@ -59,7 +59,7 @@ fn figures(verdicts: &Verdicts) -> Table {
     let (outlier, second) = (verdicts.outlier, verdicts.second_outlier);
     let false_alarms = outlier.and_then(|own| share(own.false_alarm_objects, own.known_objects));
     let percent = |share: Option<f64>| share.map(|share| 100.0 * share);
-    let samples = verdicts.median_samples_until_right.map(|samples| samples as f64);
+    let samples = verdicts.median_samples_until_right;
     let rows = [
         ("balanced accuracy, whole contact / %", percent(verdicts.touched_balanced_accuracy), 1, contacts),
         ("balanced accuracy, first 0.1 s / %", percent(verdicts.first_tenth_second_balanced_accuracy), 1, contacts),
