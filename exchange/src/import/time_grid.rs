@@ -1,12 +1,21 @@
 //! The regular times of a reach whose clock jitters and whose log may lack frames.
 
+use std::f64::consts::TAU;
+
 use underbrush_recording::Frame;
 use underbrush_recording::limits::short;
+use underbrush_recording::math::{self, median};
 
 use super::mapping::RATE_HZ;
 
 /// Frames that are missing for at most this long repeat the one before, s. A longer pause is no lost frame.
 const LONGEST_PAUSE_S: f64 = 1.0;
+
+/// The first frames from which the step is found, and how far around the median step it is sought, in shares.
+const FIRST: usize = 512;
+const AROUND: f64 = 0.25;
+/// A frame this far from its place, in frames, is not of the rate: a half, and what the rate found may be off.
+const FAR: f64 = 0.6;
 
 /// A rate, and the place of each frame among frames of that rate.
 #[derive(Debug)]
@@ -15,61 +24,105 @@ pub(super) struct TimeGrid {
     places: Vec<usize>,
 }
 
+/// How well times fit frames of this step: 1 if they are right, and near 0 if they may be anywhere; and the place of frame 0
+/// after the first time, in frames. It is the periodogram of the times.
+fn fit(times_s: &[f64], step_s: f64) -> (f64, f64) {
+    let turns = times_s.iter().map(|time_s| TAU * (time_s - times_s[0]) / step_s);
+    let [sine, cosine] = turns.fold([0.0, 0.0], |[sine, cosine], turn| {
+        let own = math::sin_cos(turn);
+        [sine + own.0, cosine + own.1]
+    });
+    (math::hypot(sine, cosine) / times_s.len() as f64, math::atan2(sine, cosine) / TAU)
+}
+
+/// The step that fits best, near a first guess. The more frames are looked at, the closer is what remains possible.
+fn best_step_s(times_s: &[f64], mut step_s: f64) -> f64 {
+    let (mut count, mut around) = (FIRST, AROUND);
+    loop {
+        let seen = &times_s[..count.min(times_s.len())];
+        let closeness = 0.5 * step_s / (seen[seen.len() - 1] - seen[0]);
+        let most = (around / closeness).ceil().min(2.0 * FIRST as f64) as i32;
+        let steps_s = (-most..=most).map(|number| step_s * (1.0 + f64::from(number) * closeness));
+        let best = steps_s.map(|own_s| (fit(seen, own_s).0, own_s)).max_by(|a, b| a.0.total_cmp(&b.0));
+        step_s = best.map_or(step_s, |(_, own_s)| own_s);
+        if seen.len() == times_s.len() {
+            return step_s;
+        }
+        (count, around) = (2 * count, closeness);
+    }
+}
+
+/// The straight line through times over places: time at place 0 and step, s.
+fn line(places: &[usize], times_s: &[f64]) -> [f64; 2] {
+    let count = places.len() as f64;
+    let middle = places.iter().map(|place| *place as f64).sum::<f64>() / count;
+    let middle_s = times_s.iter().sum::<f64>() / count;
+    let sums = places.iter().zip(times_s).map(|(place, time_s)| (*place as f64 - middle, time_s - middle_s));
+    let [over, squares] = sums.fold([0.0, 0.0], |sum, (x, y)| [sum[0] + x * y, sum[1] + x * x]);
+    let step_s = over / squares;
+    [middle_s - middle * step_s, step_s]
+}
+
 impl TimeGrid {
-    /// The grid of ascending times, s. A step between two frames counts as the nearest whole number of median steps. The rate is the
-    /// mean over all of these, unless one is given.
+    /// The grid of ascending times, s. The step is the one that fits best, unless a rate is given, and the place of a frame is
+    /// the nearest one that is still free.
     ///
     /// # Errors
     /// What was found and what is allowed, if frames are missing for long, if more are missing than not, or if one is half a frame
     /// away from its place.
     pub(super) fn of(times_s: &[f64], rate_hz: Option<f64>) -> Result<Self, (String, String)> {
         let steps_s: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let mut sorted_s = steps_s.clone();
-        sorted_s.sort_by(f64::total_cmp);
-        let median_s = sorted_s.get(sorted_s.len() / 2).copied();
-        let Some(step_s) = rate_hz.map(|rate_hz| 1.0 / rate_hz).or(median_s) else {
+        let Some(median_s) = rate_hz.map(|rate_hz| 1.0 / rate_hz).or(median(steps_s.clone())) else {
             return Ok(TimeGrid { rate_hz: 1.0, places: vec![0; times_s.len()] });
         };
-        if !RATE_HZ.hold(1.0 / step_s) {
-            return Err((format!("a frame every {} s", short(step_s)), RATE_HZ.to_string()));
+        if !RATE_HZ.hold(1.0 / median_s) {
+            return Err((format!("a frame every {} s", short(median_s)), RATE_HZ.to_string()));
         }
-        let mut places = vec![0];
-        for (own_s, start_s) in steps_s.iter().zip(times_s) {
-            if *own_s > LONGEST_PAUSE_S.max(1.5 * step_s) {
-                let found = format!("no frame from {} to {} s", short(*start_s), short(start_s + own_s));
-                return Err((found, format!("no pause of more than {LONGEST_PAUSE_S} s")));
+        if let Some((own_s, start_s)) =
+            steps_s.iter().zip(times_s).find(|(own_s, _)| **own_s > LONGEST_PAUSE_S.max(1.5 * median_s))
+        {
+            let found = format!("no frame from {} to {} s", short(*start_s), short(start_s + own_s));
+            return Err((found, format!("no pause of more than {LONGEST_PAUSE_S} s")));
+        }
+        let mut step_s = if rate_hz.is_some() { median_s } else { best_step_s(times_s, median_s) };
+        let mut start_s = times_s[0] + fit(times_s, step_s).1 * step_s;
+        let mut places = vec![0; times_s.len()];
+        // Twice, because the line through the places gives a better step.
+        for _ in 0..2 {
+            let mut next = 0;
+            for (place, time_s) in places.iter_mut().zip(times_s) {
+                *place = (((time_s - start_s) / step_s).round().max(0.0) as usize).max(next);
+                next = *place + 1;
             }
-            let frames = (own_s / step_s).round().max(1.0) as usize;
-            places.push(places[places.len() - 1] + frames);
+            [start_s, step_s] = line(&places, times_s);
         }
-        let last = places[places.len() - 1];
-        let (all, missing) = (last + 1, last + 1 - times_s.len());
+        let all = places[places.len() - 1] - places[0] + 1;
+        let missing = all - times_s.len();
+        let rate_hz = rate_hz.unwrap_or(1.0 / step_s);
         if missing > times_s.len() {
-            let found = format!("{missing} of {all} frames missing at {} Hz", short(1.0 / step_s));
+            let found = format!("{missing} of {all} frames missing at {} Hz", short(rate_hz));
             return Err((found, "at most as many missing frames as there are".into()));
         }
-        let whole_s = times_s[times_s.len() - 1] - times_s[0];
-        let rate_hz = rate_hz.unwrap_or(last as f64 / whole_s);
-        let far = |(time_s, place): &(&f64, &usize)| ((*time_s - times_s[0]) * rate_hz - **place as f64).abs() >= 0.5;
+        let far = |(time_s, place): &(&f64, &usize)| ((*time_s - start_s) / step_s - **place as f64).abs() >= FAR;
         if let Some((time_s, _)) = times_s.iter().zip(&places).find(far) {
             let found = format!("a frame at {} s", short(*time_s));
             return Err((found, format!("frames at one rate, here {} Hz, to half a frame", short(rate_hz))));
         }
-        Ok(TimeGrid { rate_hz, places })
+        let first = places[0];
+        Ok(TimeGrid { rate_hz, places: places.into_iter().map(|place| place - first).collect() })
     }
 
-    /// The frames with those that are missing, which repeat the one before. Times begin at 0.
+    /// The frames at their places. Those that are missing repeat the one before. Times begin at 0.
     pub(super) fn filled(&self, frames: Vec<Frame>) -> Vec<Frame> {
-        let start_s = frames.first().map_or(0.0, |frame| frame.time_s);
         let mut filled: Vec<Frame> = Vec::with_capacity(frames.len());
-        for (mut frame, place) in frames.into_iter().zip(&self.places) {
-            frame.time_s -= start_s;
+        for (frame, place) in frames.into_iter().zip(&self.places) {
             while let Some(last) = filled.last().filter(|_| filled.len() < *place) {
-                let missing = (*place - filled.len() + 1) as f64;
-                let time_s = last.time_s + (frame.time_s - last.time_s) / missing;
-                filled.push(Frame { time_s, ..last.clone() });
+                filled.push(last.clone());
             }
             filled.push(frame);
+        }
+        for (number, frame) in filled.iter_mut().enumerate() {
+            frame.time_s = number as f64 / self.rate_hz;
         }
         filled
     }
@@ -77,7 +130,35 @@ impl TimeGrid {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    proptest! {
+        /// Tests that the rate is found and every frame is at its place, if times jitter by up to 0.4 frames and frames are lost
+        /// one by one and for up to a second.
+        #[test]
+        fn jitter_below_half_a_frame_is_placed(
+            (jitters, lost) in (600..1500_usize).prop_flat_map(|count| {
+                (prop::collection::vec(-0.4..0.4, count), prop::collection::vec((10..count, 1..99_usize), 0..4))
+            }),
+            single in 2..40_usize,
+            rate_hz in 99.0..101.0,
+        ) {
+            let is_there = |place: &usize| {
+                *place == 0
+                    || !(place % (single * 11) == 5 || lost.iter().any(|(from, count)| (*from..from + count).contains(place)))
+            };
+            let places: Vec<usize> = (0..jitters.len()).filter(is_there).collect();
+            prop_assume!(jitters.len() < 2 * places.len());
+            let times_s: Vec<f64> = places.iter().map(|place| (*place as f64 + jitters[*place]) / rate_hz).collect();
+            let longest_s = times_s.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+            prop_assume!(longest_s < LONGEST_PAUSE_S);
+            let grid = TimeGrid::of(&times_s, None).unwrap();
+            prop_assert_eq!(&grid.places, &places);
+            prop_assert!((grid.rate_hz / rate_hz - 1.0).abs() < 1e-3);
+        }
+    }
 
     fn times(count: usize, of: impl Fn(usize) -> f64) -> Vec<f64> {
         (0..count).map(of).collect()
