@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use underbrush_recording::limits::CSV_BYTES;
+use underbrush_recording::limits::{CSV_BYTES, short};
 use underbrush_recording::text_line::line_of_row;
 use underbrush_recording::{InputError, read_bytes};
 
@@ -149,8 +149,10 @@ pub(super) fn read(
                         .filter(|cell| cell.abs() <= 1e3)
                         .ok_or_else(|| wrong(*column, "a number up to 1000"))?;
                 }
-                if numbers[3..].iter().map(|number| number * number).sum::<f64>() < 0.25 {
-                    return Err(wrong(columns[6], "a quaternion of unit length"));
+                let length = numbers[3..].iter().map(|number| number * number).sum::<f64>().sqrt();
+                if (length - 1.0).abs() > 0.01 {
+                    let allowed = format!("a quaternion of length 1, to 1 %; this one has {}", short(length));
+                    return Err(wrong(columns[6], &allowed));
                 }
             }
             recorder.push(&place, &readings, pose)?;

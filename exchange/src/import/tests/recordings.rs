@@ -69,7 +69,7 @@ fn what_is_no_recording_is_refused() {
         (LOG.replace("0,leaf", "0,").replacen("1,leaf", "1,", 1), TAXELS.into(), ["category", "or `nothing`"]),
         (LOG.replace("reed", "Reed grass"), TAXELS.into(), ["\"Reed grass\"", "lower-case letters"]),
         (LOG.replace("reed", "unknown"), TAXELS.into(), ["\"unknown\"", "not none, uncertain or unknown"]),
-        (LOG.replace("0,0,0,1,reed", "0,0,0,0,reed"), TAXELS.into(), ["qw", "a quaternion of unit length"]),
+        (LOG.replace("0,0,0,1,reed", "0,0,0,0.9,reed"), TAXELS.into(), ["qw", "length 1, to 1 %; this one has 0.9"]),
         (LOG.into(), TAXELS.replace("0.01,0,0,0,0,1,1e-4\n", ""), ["skin.taxels: found 1 rows", "each of 2 taxels"]),
         (LOG.into(), TAXELS.replace("0,0,2,1e-4", "0,0,0,1e-4"), ["normal, area_m2", "a normal that is not zero"]),
         (LOG.into(), TAXELS.replace("area_m2", "area"), ["columns: found x_m", "normal_z, area_m2"]),
