@@ -87,14 +87,18 @@ pub fn cover(arm_file: &Path, new: &NewPatch) -> Result<Covered, InputError> {
     .map_err(|found| {
         refused(found, "taxels that something can touch, 1 to 65536 of them", "add --prune, or choose another pitch")
     })?;
-    let others = skin.text.split("[[patch]]");
-    let is_new = |block: &str| {
+    let is_new = |block: &&str| {
         let table: Result<toml::Table, _> = block.parse();
         table.is_ok_and(|table| table.get("name").and_then(toml::Value::as_str) == Some(new.name.as_str()))
     };
-    let kept: Vec<&str> =
-        others.enumerate().filter(|(number, block)| *number == 0 || !is_new(block)).map(|(_, block)| block).collect();
-    let text = format!("{}\n\n[[patch]]\n{table}", kept.join("[[patch]]").trim_end());
+    // A patch keeps its place among the others, because the first one is special.
+    let (before, own) = (format!("{}\n\n", skin.text.trim_end()), format!("\n{}\n\n", table.trim_end()));
+    let mut blocks: Vec<&str> = before.split("[[patch]]").collect();
+    match blocks.iter().skip(1).position(is_new) {
+        Some(place) => blocks[place + 1] = &own,
+        None => blocks.push(&own),
+    }
+    let text = format!("{}\n", blocks.join("[[patch]]").trim_end());
     let mut files = arm.files.clone();
     files[2].text.clone_from(&text);
     let arm = Arm::from_files(&files)?;

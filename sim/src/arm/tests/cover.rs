@@ -126,7 +126,7 @@ fn a_pitch_of_nothing_has_one_message() {
     assert_eq!(error.found, "a pitch of 0 mm; it must be 0.1 to 500 mm");
 }
 
-/// Tests that a patch is replaced only on demand, and that the others stay.
+/// Tests that a patch is replaced only on demand, in its place, and that the others stay.
 #[test]
 fn a_patch_is_replaced_on_demand() {
     let folder = tempfile::tempdir().unwrap();
@@ -142,6 +142,6 @@ fn a_patch_is_replaced_on_demand() {
     (new.pitch_m, new.replace) = (0.01, true);
     let patches = cover(&file, &new).unwrap().arm.skin.layout.patches;
     let names: Vec<&str> = patches.iter().map(|patch| patch.name.as_str()).collect();
-    assert_eq!(names, ["two", "one"]);
-    assert!(patches[1].taxels.len() > 3 * patches[0].taxels.len());
+    assert_eq!(names, ["one", "two"]);
+    assert!(patches[0].taxels.len() > 3 * patches[1].taxels.len());
 }
