@@ -164,6 +164,11 @@ impl<'a> Tree<'a> {
                 return Err(refused(option, link, all_links()));
             }
         }
+        let mut known = BTreeSet::new();
+        if let Some(Joint { name, .. }) = joints.iter().find(|joint| !known.insert(joint.name)) {
+            let found = format!("joint {name} is there twice");
+            return Err(source.fault("joint", found, "joints with names of their own", "rename one of them"));
+        }
         let parent = |link: &str| joints.iter().find(|joint| joint.child == link);
         let root = || names().find(|link| parent(link).is_none()).unwrap_or_default();
         let base = new.base_link.as_deref().unwrap_or_else(root);
@@ -298,8 +303,10 @@ fn find_mesh(new: &NewArm, filename: &str, line: Option<usize>) -> Result<PathBu
     }
     let searched: Vec<String> = places.iter().map(|place| place.display().to_string()).collect();
     let found = format!("{filename}, which is not in {}", searched.join(", nor "));
-    let allowed = "a mesh that is there";
-    Err(InputError::new(&new.urdf, "mesh filename", found, allowed, "give --package NAME=FOLDER").at_line(line))
+    let is_packaged = filename.starts_with("package://");
+    let remedy =
+        if is_packaged { "give --package NAME=FOLDER" } else { "put it there, or correct its name in the URDF" };
+    Err(InputError::new(&new.urdf, "mesh filename", found, "a mesh that is there", remedy).at_line(line))
 }
 
 /// The path of a file from the folder of the arm file, with slashes on every machine; absolute if there is none.

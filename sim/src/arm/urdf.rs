@@ -275,6 +275,10 @@ impl<'a> Reader<'a> {
     fn joint(&self, joint: &Joint, origin_parent: Pose) -> Result<ChainJoint, InputError> {
         let limit = |key| number(child(joint.element, "limit"), key);
         let [lower, upper, effort, velocity] = ["lower", "upper", "effort", "velocity"].map(limit);
+        if matches!(joint.kind, "revolute" | "continuous") && child(joint.element, "limit").is_none() {
+            let allowed = "a <limit> with effort and velocity and, of a revolute joint, lower and upper";
+            return Err(self.joint_fault(joint, "", "no <limit>", allowed));
+        }
         let limits_rad = match joint.kind {
             "revolute" => [lower, upper],
             "continuous" => [f64::NEG_INFINITY, f64::INFINITY],
