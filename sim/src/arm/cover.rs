@@ -101,7 +101,8 @@ pub fn cover(arm_file: &Path, new: &NewPatch) -> Result<Covered, InputError> {
     let text = format!("{}\n", blocks.join("[[patch]]").trim_end());
     let mut files = arm.files.clone();
     files[2].text.clone_from(&text);
-    let arm = Arm::from_files(&files)?;
+    let arm = Arm::from_files(&files)
+        .map_err(|error| refused(format!("{}: {}", error.field, error.found), &error.allowed, "change --pitch-mm"))?;
     Ok(Covered { path, text, arm, left_out })
 }
 

@@ -98,6 +98,12 @@ pub fn new_files(new: &NewArm) -> Result<NewFiles, InputError> {
             named(&beside(&new.out, &names[0]), &source.text),
             named(&beside(&new.out, &names[1]), &skin_text),
         ])
+        // What is wrong with a file that is not written yet comes from the URDF.
+        .map_err(|error| {
+            let remedy = "correct the URDF, or the `scale` of its meshes";
+            let own = source.fault(error.field.clone(), &error.found, error.allowed.clone(), remedy);
+            if error.file == new.out { own } else { error }
+        })
     };
     let limits_deg: Vec<[f64; 2]> = chain.joints.iter().map(controller_limits_deg).collect();
     let middle = |[low, high]: &[f64; 2]| ((low + high) * 5.0).round() / 10.0;
