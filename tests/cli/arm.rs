@@ -156,7 +156,7 @@ fn an_inertia_of_no_body_is_raised() {
 }
 
 /// Tests that the errors of `arm new` name what they are about: the places where a mesh was sought, the links that can be the
-/// tip, and a joint of the chain that slides.
+/// tip, a joint of the chain that slides, has no limits or has a name twice, and a mesh or an arm that is too large or small.
 #[test]
 fn what_new_refuses() {
     let folder = tempfile::tempdir().unwrap();
@@ -181,6 +181,19 @@ fn what_new_refuses() {
     new("foot", &[]).refused(&["--tip", "\"foot\"", "pillar, boom, hand"]);
     new("left_finger", &[]).refused(&["joint left, type", "prismatic"]);
     new("hand", &["--base", "left_finger"]).refused(&["--tip", "joints carry on left_finger"]);
+    new("boom", &[]).refused(&["--tip", "a reach of 0 m", "at least 0.1 m"]);
+    let text = std::fs::read_to_string(&urdf).unwrap();
+    let limit = "<limit lower=\"-2.5\" upper=\"2.5\" effort=\"30\" velocity=\"1\"/>";
+    for (from, to, parts) in [
+        ("package://crane/meshes", "meshes", ["mesh filename", "correct its name in the URDF"]),
+        (limit, "", ["joint lift: found no <limit>", "effort and velocity"]),
+        ("name=\"lift\"", "name=\"turn\"", ["joint turn is there twice", "rename one"]),
+        ("scale=\"0.001 0.001 0.001\"", "", ["crane.urdf: hull", "`scale` of its meshes"]),
+    ] {
+        std::fs::write(&urdf, text.replace(from, to)).unwrap();
+        new("hand", &[]).refused(&parts);
+    }
+    std::fs::write(&urdf, text).unwrap();
     assert!(!folder.path().join("crane.toml").exists());
     new("hand", &[]).success();
     new("hand", &[]).refused(&["--force"]);

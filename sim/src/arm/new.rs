@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::path::{Component, Path, PathBuf};
 
 use glam::DVec3;
-use underbrush_recording::InputError;
+use underbrush_recording::{InputError, short};
 
 use super::hulls::{MeshHull, hulls};
 use super::inertia::{self, Entries};
@@ -20,6 +20,9 @@ use super::start::Room;
 use super::urdf::{Joint, Said, child, mesh, origin_pose, read_chain, text};
 use super::urdf_text::{Element, Elements, attribute, named, number, numbers};
 use super::{Arm, ArmSource};
+
+/// The shortest reach, m. Choice: trunks are up to 5 cm thick.
+const LEAST_REACH_M: f64 = 0.1;
 
 /// What the files of an arm are made from.
 #[derive(Clone, Debug, Default)]
@@ -112,6 +115,11 @@ pub fn new_files(new: &NewArm) -> Result<NewFiles, InputError> {
     let joints: String = joints.map(|(joint, own)| joint_table(joint, own, middle(own), [1.0, 1.0])).collect();
     let arm = assembled(&file(&joints))?;
     let room = Room::of(&arm);
+    if room.reach_m < LEAST_REACH_M {
+        let found = format!("a reach of {} m from the second joint to the tip", short(two_digits(room.reach_m)));
+        let allowed = format!("at least {LEAST_REACH_M} m, because trunks have no room around a smaller arm");
+        return Err(source.fault("--tip", found, allowed, "correct the lengths in the URDF, which are in metres"));
+    }
     let found_posture = room.start_posture(&arm);
     let rounded =
         |(angle, [low, high]): (&f64, &[f64; 2])| ((angle.to_degrees() * 10.0).round() / 10.0).clamp(*low, *high);
