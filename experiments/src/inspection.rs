@@ -103,7 +103,7 @@ fn arm(arm: &Arm) -> Result<Value, Fault> {
     });
     let patches = arm.skin.layout.patches.iter().map(|patch| {
         let grid = patch.grid.map(|grid| json!({"rows": grid.rows, "columns": grid.columns}));
-        (patch.name.as_str(), json!({"link": patch.link, "taxels": patch.taxels.len(), "grid": grid}))
+        json!({"name": patch.name, "link": patch.link, "taxels": patch.taxels.len(), "grid": grid})
     });
     let tip = ArmAtStart::of(arm).end_effector_world;
     let doubts = arm.skin_doubts();
@@ -113,7 +113,7 @@ fn arm(arm: &Arm) -> Result<Value, Fault> {
         "base": arm.links[0].name,
         "chain": links.collect::<Vec<_>>(),
         "tip_at_start_m": tip.to_array().map(|value| (value * 1e4).round() / 1e4),
-        "patches": patches.collect::<BTreeMap<_, _>>(),
+        "patches": patches.collect::<Vec<_>>(),
         "taxels": arm.skin.layout.taxel_count(),
         "doubtful": doubtful(&doubts),
         "wedges": if wedges.is_empty() { "none".into() } else { wedges.join("; ") },
