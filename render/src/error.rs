@@ -24,8 +24,11 @@ pub enum RenderError {
         /// The links that are known.
         links: String,
     },
-    /// There are no shapes, as in a table of trials, or no frames.
-    #[error("no shapes of an arm or no frames are known, so there is nothing to draw; give a recording or a data set")]
+    /// There are no shapes, as in a robot's log or a table of trials, or no frames.
+    #[error(
+        "no shapes of an arm or no frames are known, so there is nothing to draw; a robot's log has no arm: look at it on the page \
+         (underbrush replay --out)"
+    )]
     NoBodies,
     /// The file cannot be encoded or written.
     #[error("the picture cannot be written: {0}")]

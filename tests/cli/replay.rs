@@ -155,8 +155,11 @@ fn bad_pictures_are_refused() {
     underbrush!["replay", set, "--still", png].refused(&["one of 6", "--reaches N"]);
     underbrush!["replay", set, "--reaches", "0,1", "--video", gif].refused(&["one reach", "--reaches N"]);
     underbrush!["replay", set, "--reaches", "9", "--still", png].refused(&["no reach 9"]);
-    underbrush!["replay", fixture().table_csv(), "--reaches", "0", "--still", png]
-        .refused(&["nothing to draw", "a recording"]);
+    underbrush!["replay", fixture().table_csv(), "--reaches", "0", "--still", png].refused(&[
+        "nothing to draw",
+        "on the page",
+        "--out",
+    ]);
     underbrush!["replay", set, "--reaches", "0", "--still", gif].refused(&["a.gif", ".png"]);
     let mp4 = folder.path().join("a.mp4");
     underbrush!["replay", set, "--reaches", "0", "--video", mp4].refused(&["a.mp4", ".gif", "underbrush.video"]);
