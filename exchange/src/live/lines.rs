@@ -40,6 +40,9 @@ impl<R: BufRead> Lines<R> {
                 return Ok(None);
             }
             self.number += 1;
+            if self.number == 1 && self.buffer.starts_with("\u{feff}".as_bytes()) {
+                self.buffer.drain(..3);
+            }
             let whole = self.buffer.last() == Some(&b'\n');
             if !whole && self.buffer.len() > self.max_bytes {
                 self.reader.skip_until(b'\n')?;
@@ -84,6 +87,12 @@ mod tests {
         let found = read(b"a\n\n \t\r\nb\r\n  c  \nd", 100);
         let expected = [(1, "a"), (4, "b"), (5, "c"), (6, "d")];
         assert_eq!(found, expected.map(|(number, text)| (number, Ok(text.to_owned()))));
+    }
+
+    /// Tests that a byte order mark before the first line is no part of it.
+    #[test]
+    fn a_byte_order_mark_is_skipped() {
+        assert_eq!(read("\u{feff}a\nb".as_bytes(), 100), [(1, Ok("a".to_owned())), (2, Ok("b".to_owned()))]);
     }
 
     /// Tests that a line that is too long, and bytes that are not UTF-8, are errors of that line alone, and that no
