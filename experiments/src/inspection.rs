@@ -97,7 +97,7 @@ fn arm(arm: &Arm) -> Result<Value, Fault> {
             "controller_limits_deg": degrees(joint.controller_limits_rad),
             "start_deg": tenths(joint.start_rad.to_degrees()),
             "moves": link.name,
-            "mass_kg": link.mass_kg,
+            "mass_kg": (link.mass_kg * 1e9).round() / 1e9,
             "shapes": link.colliders.len(),
         })
     });

@@ -145,11 +145,12 @@ fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
         let held = if files.held.is_empty() { String::new() } else { format!("; held: {}", files.held.join(", ")) };
         let (out, skin, scene) = (out.display(), skin.display(), scene.display());
         let (joints, links) = (files.arm.joints.len(), links.join(", "));
+        let quote = if out.to_string().contains(' ') { "\"" } else { "" };
         let hulls = output::counted(files.hulls, "hull", "hulls");
         format!(
             "Wrote {out}, {skin} and {scene}.\n{joints} joints{held}\nlinks: {links}\n\
              {hulls}; meshes stand out at most {outside_mm:.1} mm\n\
-             Next: underbrush arm skin {out} --link LINK --pitch-mm 10 --patch NAME\n"
+             Next: underbrush arm skin {quote}{out}{quote} --link LINK --pitch-mm 10 --patch NAME\n"
         )
     })
 }

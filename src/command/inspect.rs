@@ -106,6 +106,7 @@ fn text(value: &Value, depth: usize) -> String {
 fn chain(joints: &[Value]) -> String {
     let cell = |value: &Value| match value {
         Value::String(plain) => plain.clone(),
+        Value::Array(ends) if ends.iter().all(Value::is_null) => "none".into(),
         Value::Array(ends) => ends.iter().map(Value::to_string).collect::<Vec<_>>().join(" to "),
         other => other.to_string(),
     };

@@ -192,7 +192,8 @@ impl Report {
         let touched: Vec<String> = patches
             .map(|(patch, frames)| format!("{patch} in {}", output::counted(*frames, "frame", "frames")))
             .collect();
-        let (all, touched, trials) = (self.goals.len(), touched.join(", "), self.trials());
+        let touched = if touched.is_empty() { "no skin".into() } else { touched.join(", ") };
+        let (all, trials) = (self.goals.len(), self.trials());
         let contacts = output::counted(self.contacts, "contact", "contacts");
         let Report { scene, controller, seed, reach_index, goals_reached, .. } = self;
         let Report { simulated_s, wall_s, simulated_over_wall, .. } = self;

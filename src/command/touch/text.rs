@@ -154,8 +154,7 @@ fn by_reach(own: &ReachFigures) -> String {
 }
 
 fn contacts(figures: &TouchFigures) -> String {
-    let parts =
-        [("whole contact", figures.contacts_at_end), ("first 0.1 s (10 samples)", figures.contacts_after_tenth_second)];
+    let parts = [("whole contact", figures.contacts_at_end), ("first 10 samples", figures.contacts_after_tenth_second)];
     Rows::of(parts)
         .column("touched contacts by", |(name, _)| name)
         .column("contacts", |(_, own)| own.map_or(0, |own| own.trials))

@@ -94,7 +94,7 @@ fn reaches_are_cross_validated() {
         "called unknown %",
         "balanced accuracy %",
         "majority baseline %",
-        "first 0.1 s (10 samples)",
+        "first 10 samples",
         "contacts with a right verdict by then",
         "Spurious readings called nothing",
         "Expected calibration error",
