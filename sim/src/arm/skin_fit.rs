@@ -80,13 +80,26 @@ fn place(distance_m: f64, link: &str) -> String {
 }
 
 impl Arm {
-    /// What is doubtful about the skin, at most two sentences per patch: taxels so far off the collision surface that a
+    /// What is doubtful about the skin: patches on each other and, at most two sentences per patch, taxels so far off the collision surface that a
     /// contact's force may go to a neighbour (more than half the patch's reach), and taxels whose normal is more than
     /// 60° off the surface's, which feel only what presses from the side.
     pub fn skin_doubts(&self) -> Vec<String> {
         let patches = self.skin.layout.patches.iter().zip(&self.skin.surfaces);
-        patches.flat_map(|(patch, surface)| doubts(patch, &self.links[surface.link])).collect()
+        let covered = patches.clone().enumerate().flat_map(|(number, (patch, own))| {
+            let before = patches.clone().take(number).filter(|(_, other)| other.link == own.link);
+            before.filter_map(|(other, _)| hidden(patch, other))
+        });
+        patches.clone().flat_map(|(patch, own)| doubts(patch, &self.links[own.link])).chain(covered).collect()
     }
+}
+
+/// Says so if most taxels of a patch lie on those of another one on the same link.
+fn hidden(patch: &Patch, other: &Patch) -> Option<String> {
+    let near_m = reach_m(&other.taxels) / 2.0;
+    let lies_on = |own: &&Taxel| other.taxels.iter().any(|one| one.position_link.distance(own.position_link) < near_m);
+    let (count, all) = (patch.taxels.iter().filter(lies_on).count(), patch.taxels.len());
+    let text = || format!("patch {}: {count} of {all} taxels lie on those of patch {}", patch.name, other.name);
+    (2 * count > all).then(text)
 }
 
 fn doubts(patch: &Patch, link: &Link) -> Vec<String> {

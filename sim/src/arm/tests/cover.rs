@@ -119,6 +119,20 @@ fn faults_are_listed_at_once() {
     );
 }
 
+/// Tests that a patch on top of another one is doubtful.
+#[test]
+fn a_patch_on_another_is_doubtful() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = arm_with(folder.path(), &shape("cylinder radius=\"0.05\" length=\"0.2\"", "0 0 0"));
+    let mut new = NewPatch { name: "one".into(), link: "rod".into(), pitch_m: 0.02, prune: false, replace: false };
+    let made = cover(&file, &new).unwrap();
+    assert!(made.arm.skin_doubts().is_empty());
+    fs::write(made.path, made.text).unwrap();
+    (new.name, new.pitch_m) = ("two".into(), 0.01);
+    let doubts = cover(&file, &new).unwrap().arm.skin_doubts();
+    assert_eq!(doubts, ["patch two: 620 of 620 taxels lie on those of patch one"]);
+}
+
 /// Tests that a pitch of nothing has one message, not one about the number of taxels, too.
 #[test]
 fn a_pitch_of_nothing_has_one_message() {
