@@ -70,8 +70,16 @@ pub(super) fn draw_goals(
         });
         let goal = goal.ok_or_else(|| {
             let found = format!("no goal number {} in {rejected}", number + 1);
-            let allowed = "ranges of goals among the objects, where the arm has room";
-            scene.fault("goals", found, allowed)
+            let first = arm.arm.skin.layout.patches.first().filter(|_| rejected.beside == rejected.tried);
+            match first {
+                Some(patch) => scene.fault(
+                    "goals",
+                    format!("{found}; the skin here is its first patch, {} on {}", patch.name, patch.link),
+                    "ranges of goals among the objects, or a patch that passes by them, on a link farther from the base, first \
+                     in the skin file",
+                ),
+                None => scene.fault("goals", found, "ranges of goals among the objects, where the arm has room"),
+            }
         })?;
         goals.push(goal);
         from = goal;
