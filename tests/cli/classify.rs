@@ -59,6 +59,15 @@ fn lines(text: &str) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
+/// Tests that the answers to the reaches of a data set are told apart.
+#[test]
+fn reaches_of_a_set_begin_with_a_line() {
+    let answers = lines(&underbrush!["classify", fixture().model(), fixture().dataset(), "--online"].success());
+    let begun: Vec<_> = answers.iter().filter(|own| own["reset"] == true).map(|own| own["reach"].as_u64()).collect();
+    assert_eq!(begun, (1..6).map(Some).collect::<Vec<_>>());
+    assert_eq!(answers.iter().filter(|own| own["time_s"] == answers[0]["time_s"]).count(), 6);
+}
+
 /// Tests that after the last sample of each contact the online log-likelihoods equal those of the batch score bit for
 /// bit, for both kinds of score, and that each sample is answered in its own frame and nothing else is answered.
 #[test]

@@ -27,6 +27,9 @@ pub(super) fn run(options: &ClassifyOptions, model: &OnlineModel) -> Result<(), 
     } else if is_folder(&options.input)? {
         let dataset = Dataset::open(&options.input)?;
         for episode in 0..dataset.episodes().len() {
+            if episode > 0 {
+                output::lines([json!({ "reach": episode, "reset": true }).to_string()])?;
+            }
             let recording = dataset.read_reach(episode)?;
             online.reach(&recording.layout, &recording.frames)?;
         }
