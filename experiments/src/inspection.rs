@@ -65,8 +65,12 @@ fn scene(path: &Path, seed: u64) -> Result<Value, Fault> {
     let file = &plan.scene.file;
     let ways = plan.ways(0)?.iter().filter(|way| way.is_ok()).count();
     let mut doubts = plan.arm.skin_doubts();
-    if ways == 0 && !clutter.goals.is_empty() {
-        doubts.push("no goal has a way round all fixed obstacles".into());
+    match (ways, clutter.goals.len()) {
+        (0, 1..) => doubts.push("no goal has a way round all fixed obstacles".into()),
+        (_, all) if ways < all => {
+            doubts.push(format!("{} of {all} goals have no way round all fixed obstacles", all - ways));
+        }
+        _ => {}
     }
     Ok(json!({
         "scene": plan.scene.name,
