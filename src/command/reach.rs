@@ -85,6 +85,9 @@ struct Report {
 #[derive(Serialize)]
 struct Goal {
     outcome: &'static str,
+    /// Why the controller gave it up.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    given_up: Option<String>,
     seconds: f64,
     position_world_m: [f64; 3],
 }
@@ -150,6 +153,7 @@ impl Report {
         };
         let goal = |goal: &GoalRecord| Goal {
             outcome: goal.outcome.name(),
+            given_up: goal.given_up.clone(),
             seconds: goal.end_time_s - goal.start_time_s,
             position_world_m: goal.position_world.to_array(),
         };
@@ -183,7 +187,9 @@ impl Report {
         let goals = Rows::of(self.goals.iter().enumerate())
             .column("goal", |(number, _)| number + 1)
             .column("position / m", |(_, goal)| place(goal.position_world_m))
-            .column("outcome", |(_, goal)| goal.outcome)
+            .column("outcome", |(_, goal)| {
+                goal.given_up.as_ref().map_or(goal.outcome.into(), |reason| format!("{}: {reason}", goal.outcome))
+            })
             .column("seconds", |(_, goal)| format!("{:.1}", goal.seconds));
         let aborted = self.aborted_by.as_ref().map_or(String::new(), |stop| format!(", then aborted: {stop}"));
         let limit =

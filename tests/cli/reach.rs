@@ -173,3 +173,18 @@ fn a_scene_has_a_name() {
     underbrush!["inspect", "trunk-post"].success();
     underbrush!["reach", "trunk-pots"].refused(&["trunk-pots", "trunk-post", "or the path of a scene file"]);
 }
+
+/// Tests that `reach` says why the controller gave a goal up, and `inspect` that a goal has no way.
+#[test]
+fn a_goal_that_is_given_up_has_its_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "summary = \"Two goals\"\ncontroller = \"mapped\"\n[goals]\npositions_m = [[0.6, -0.2, -0.3], [2.0, 2.0, 1.0]]\n\
+                [[objects.trunk]]\ncount = 1\nplace = { x_m = 0.7, y_m = -0.5 }\n";
+    let scene = scenes::write(folder.path(), "far.toml", text);
+    let found = underbrush!["reach", scene, "--json"].json();
+    let reason = found["goals"][1]["given_up"].as_str().unwrap();
+    let table = underbrush!["reach", scene].success();
+    assert!(found["goals"][0].get("given_up").is_none() && table.contains(&format!("stuck: {reason}")), "{table}");
+    let doubt = underbrush!["inspect", scene, "--json"].json();
+    assert_eq!(doubt["doubtful"], "1 of 2 goals have no way round all fixed obstacles");
+}
