@@ -134,6 +134,30 @@ fn the_chain_is_a_table() {
     assert!(ends[2..].iter().all(|end| *end == ends[0]), "{text}");
 }
 
+/// Tests that scene and start posture of an arm whose shoulder is not over its base are at the shoulder, to the millimetre, that
+/// `inspect` has words for a joint without limits, and that the next command can be copied if the path has a space.
+#[test]
+fn a_shoulder_beside_the_base_has_its_room() {
+    let folder = tempfile::tempdir().unwrap();
+    let urdf = write_urdf(folder.path());
+    write_mesh(folder.path());
+    let text = std::fs::read_to_string(&urdf).unwrap().replace("xyz=\"0 0 0.1\"", "xyz=\"-1 2 0.1\"");
+    std::fs::write(&urdf, text.replace("name=\"turn\" type=\"revolute\"", "name=\"turn\" type=\"continuous\""))
+        .unwrap();
+    let arm = folder.path().join("my crane.toml");
+    let made = underbrush!["arm", "new", urdf, "--tip", "tip", "--out", arm].success();
+    assert!(made.contains("my crane.toml\" --link"), "{made}");
+    let found = underbrush!["inspect", arm, "--json"].json();
+    let tip_m: Vec<f64> = found["tip_at_start_m"].as_array().unwrap().iter().map(|own| own.as_f64().unwrap()).collect();
+    assert!((tip_m[0] + 0.8).abs() < 0.1 && (tip_m[1] - 2.0).abs() < 0.01, "{tip_m:?}");
+    let text = underbrush!["inspect", arm].success();
+    assert!(text.contains("none") && !text.contains("null to null"), "{text}");
+    let scene = std::fs::read_to_string(folder.path().join("my crane.trunks.toml")).unwrap();
+    // 0.38 and 0.8 of 0.6 m.
+    assert!(scene.contains("x_m = [-0.772, -0.52]\ny_m = [1.772, 2.228]"), "{scene}");
+    underbrush!["inspect", folder.path().join("my crane.trunks.toml")].success();
+}
+
 /// Tests that a link whose inertia no body has is raised to the nearest of a body with a warning, and that the arm is then sound,
 /// while without the table it is refused.
 #[test]

@@ -108,24 +108,23 @@ pub(super) fn skin_text(arm_file: &Path) -> String {
 pub(super) fn scene_text(arm_file: &Path, room: &Room) -> String {
     let file = arm_file.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let reach = room.reach_m;
-    let cm = |value_m: f64| (value_m * 100.0).round() / 100.0 + 0.0;
-    let [near, far, side] = [0.38, 0.80, 0.38].map(|share| cm(share * reach));
-    let [goal_near, goal_far, goal_side] = [0.48, 0.70, 0.32].map(|share| cm(share * reach));
-    let [low, high] = room.goal_heights_m().map(cm);
-    let trunks = ((far - near) * 2.0 * side * TRUNKS_PER_M2).round().max(2.0);
+    let mm = |value_m: f64| (value_m * 1e3).round() / 1e3 + 0.0;
+    let [near, far, goal_near, goal_far] = [0.38, 0.80, 0.48, 0.70].map(|share| mm(room.shoulder_m.x + share * reach));
+    let [right, left, goal_right, goal_left] =
+        [-0.38, 0.38, -0.32, 0.32].map(|share| mm(room.shoulder_m.y + share * reach));
+    let [low, high] = room.goal_heights_m().map(mm);
+    let trunks = ((far - near) * (left - right) * TRUNKS_PER_M2).round().max(2.0);
     format!(
         "# Trunks in front of the arm in {file}, written by `underbrush arm new`. Places are shares of the arm's reach, {:.2} m from\n\
-         # its second joint to its tip, as in docs/arms/panda/foliage.toml. Lengths are in the frame of the base: x forward,\n\
-         # y left, z up. As many trunks to an area as in the scene `trunk`.\n\
+         # its second joint to its tip, as in docs/arms/panda/foliage.toml, and begin at that joint. Lengths are in the frame of\n\
+         # the base: x forward, y left, z up. As many trunks to an area as in the scene `trunk`.\n\
          summary = \"Reach between trunks in front of {}\"\narm = {file:?}\n\n\
-         [workspace]\nx_m = [{near:?}, {far:?}]\ny_m = [{:?}, {side:?}]\n# Below the second joint, so that the forearm comes among the trunks.\ntable_height_m = {:?}\n\n\
+         [workspace]\nx_m = [{near:?}, {far:?}]\ny_m = [{right:?}, {left:?}]\n# Below the second joint, so that the forearm comes among the trunks.\ntable_height_m = {:?}\n\n\
          [goals]\ncount = 4\nretries = 0\npatience_s = 1.0\n\
-         x_m = {{ uniform = [{goal_near:?}, {goal_far:?}] }}\ny_m = {{ uniform = [{:?}, {goal_side:?}] }}\nz_m = {{ uniform = [{low:?}, {high:?}] }}\n\n\
+         x_m = {{ uniform = [{goal_near:?}, {goal_far:?}] }}\ny_m = {{ uniform = [{goal_right:?}, {goal_left:?}] }}\nz_m = {{ uniform = [{low:?}, {high:?}] }}\n\n\
          [[objects.trunk]]\ncount = {trunks}\n",
         reach,
         arm_file.file_stem().unwrap_or_default().to_string_lossy(),
-        -side,
-        cm(room.table_m()),
-        -goal_side,
+        mm(room.table_m()),
     )
 }

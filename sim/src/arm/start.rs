@@ -12,8 +12,8 @@ use super::passing::overlap;
 pub(super) struct Room {
     /// Length of the chain from the second joint, the shoulder, to the end effector, m.
     pub(super) reach_m: f64,
-    /// Height of the shoulder over the origin of the base at zero angles, m.
-    pub(super) shoulder_m: f64,
+    /// Place of the shoulder in the frame of the base at zero angles, m.
+    pub(super) shoulder_m: DVec3,
 }
 
 /// Postures that the search begins with for each place of the end effector.
@@ -28,20 +28,20 @@ impl Room {
         let chain: Vec<DVec3> = joints.chain([arm.end_effector_pose(&poses).position]).collect();
         let from = 1.min(arm.joints.len() - 1);
         let reach_m = chain[from..].windows(2).map(|pair| pair[0].distance(pair[1])).sum();
-        Room { reach_m, shoulder_m: chain[from].z }
+        Room { reach_m, shoulder_m: chain[from] }
     }
 
     /// Height of the table top, m.
     pub(super) fn table_m(&self) -> f64 {
-        self.shoulder_m - 0.15 * self.reach_m
+        self.shoulder_m.z - 0.15 * self.reach_m
     }
 
     /// Smallest and largest height of goals, m.
     pub(super) fn goal_heights_m(&self) -> [f64; 2] {
-        [0.05, 0.20].map(|share| self.shoulder_m + share * self.reach_m)
+        [0.05, 0.20].map(|share| self.shoulder_m.z + share * self.reach_m)
     }
 
-    /// A posture with the end effector drawn back in front of the base, above the table and level with the goals. Of those
+    /// A posture with the end effector drawn back in front of the shoulder, above the table and level with the goals. Of those
     /// that are found it is the one in which the fewest links overlap, and then the one that is farthest from the limits of
     /// its joints. `None` if the end effector cannot be there.
     pub(super) fn start_posture(&self, arm: &Arm) -> Option<Vec<f64>> {
@@ -52,7 +52,7 @@ impl Room {
         let [low, high] = self.goal_heights_m();
         let mut best: Option<(usize, f64, Vec<f64>)> = None;
         for (forward, height) in [(0.35, low), (0.35, high), (0.45, low), (0.45, high), (0.25, high)] {
-            let place = DVec3::new(forward * self.reach_m, 0.0, height);
+            let place = DVec3::new(self.shoulder_m.x + forward * self.reach_m, self.shoulder_m.y, height);
             for number in 0..STARTS {
                 let mut share = || if number == 0 { 0.5 } else { f64::from(random.next_u32()) / f64::from(u32::MAX) };
                 let from: Vec<f64> = ends.iter().map(|[low, high]| low + (high - low) * share()).collect();
