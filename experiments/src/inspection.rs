@@ -65,12 +65,9 @@ fn scene(path: &Path, seed: u64) -> Result<Value, Fault> {
     let file = &plan.scene.file;
     let ways = plan.ways(0)?.iter().filter(|way| way.is_ok()).count();
     let mut doubts = plan.arm.skin_doubts();
-    match (ways, clutter.goals.len()) {
-        (0, 1..) => doubts.push("no goal has a way round all fixed obstacles".into()),
-        (_, all) if ways < all => {
-            doubts.push(format!("{} of {all} goals have no way round all fixed obstacles", all - ways));
-        }
-        _ => {}
+    let goals = clutter.goals.len();
+    if ways < goals {
+        doubts.push(format!("{} of {goals} goals have no way round all fixed obstacles", goals - ways));
     }
     Ok(json!({
         "scene": plan.scene.name,
@@ -79,7 +76,7 @@ fn scene(path: &Path, seed: u64) -> Result<Value, Fault> {
         "doubtful": doubtful(&doubts),
         "controller": plan.controller_name(),
         "objects": objects,
-        "goals": clutter.goals.len(),
+        "goals": goals,
         "goals_with_a_way": ways,
         "physics": file.physics,
         "sensor": file.sensor,

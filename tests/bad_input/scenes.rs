@@ -215,7 +215,11 @@ fn leaves_without_foam() {
 fn goals_out_of_reach() {
     let text = format!("{HEAD}[goals]\nx_m = 4.0\n\n[[objects.trunk]]\ncount = 1\n");
     refuses(&text, None, &["goals: found no goal number 1", "on a straight way to 5000", "change"]);
-    refuses(&text, None, &["the skin here is its first patch, forearm on elbow", "first in the skin file"]);
+    refuses(
+        &text,
+        None,
+        &["its first patch, forearm of link forearm", "a first patch in the skin file that is farther from the base"],
+    );
 }
 
 /// Tests that an unknown controller is refused with the names of all controllers.

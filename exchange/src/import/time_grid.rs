@@ -41,12 +41,15 @@ fn best_step_s(times_s: &[f64], mut step_s: f64) -> f64 {
     loop {
         let seen = &times_s[..count.min(times_s.len())];
         let closeness = 0.5 * step_s / (seen[seen.len() - 1] - seen[0]);
-        let most = (around / closeness).ceil().min(2.0 * FIRST as f64) as i32;
-        let steps_s = (-most..=most).map(|number| step_s * (1.0 + f64::from(number) * closeness));
-        let best = steps_s.map(|own_s| (fit(seen, own_s).0, own_s)).max_by(|a, b| a.0.total_cmp(&b.0));
-        step_s = best.map_or(step_s, |(_, own_s)| own_s);
+        let nearest = |step_s: f64, around: f64, closeness: f64| {
+            let most = (around / closeness).ceil().min(2.0 * FIRST as f64) as i32;
+            let steps_s = (-most..=most).map(|number| step_s * (1.0 + f64::from(number) * closeness));
+            let best = steps_s.map(|own_s| (fit(seen, own_s).0, own_s)).max_by(|a, b| a.0.total_cmp(&b.0));
+            best.map_or(step_s, |(_, own_s)| own_s)
+        };
+        step_s = nearest(step_s, around, closeness);
         if seen.len() == times_s.len() {
-            return step_s;
+            return nearest(step_s, closeness, closeness / 8.0);
         }
         (count, around) = (2 * count, closeness);
     }
@@ -64,8 +67,8 @@ fn line(places: &[usize], times_s: &[f64]) -> [f64; 2] {
 }
 
 impl TimeGrid {
-    /// The grid of ascending times, s. The step is the one that fits best, unless a rate is given, and the place of a frame is
-    /// the nearest one that is still free.
+    /// The grid of ascending times, s. The step is the one that fits best, unless a rate is given, and a frame is at the
+    /// nearest place.
     ///
     /// # Errors
     /// What was found and what is allowed, if frames are missing for long, if more are missing than not, or if one is half a frame
@@ -85,31 +88,40 @@ impl TimeGrid {
             return Err((found, format!("no pause of more than {LONGEST_PAUSE_S} s")));
         }
         let mut step_s = if rate_hz.is_some() { median_s } else { best_step_s(times_s, median_s) };
-        let mut start_s = times_s[0] + fit(times_s, step_s).1 * step_s;
+        // Two frames before the first one leave room for what is moved.
+        let mut start_s = times_s[0] + (fit(times_s, step_s).1 - 2.0) * step_s;
         let mut places = vec![0; times_s.len()];
         // Twice, because the line through the places gives a better step.
         for _ in 0..2 {
-            let mut next = 0;
-            for (place, time_s) in places.iter_mut().zip(times_s) {
-                *place = (((time_s - start_s) / step_s).round().max(0.0) as usize).max(next);
-                next = *place + 1;
-            }
+            places = times_s.iter().map(|time_s| ((time_s - start_s) / step_s).round() as usize).collect();
             [start_s, step_s] = line(&places, times_s);
         }
-        let all = places[places.len() - 1] - places[0] + 1;
-        let missing = all - times_s.len();
+        let off = |place: usize, time_s: f64| (time_s - start_s) / step_s - place as f64;
+        // Of two frames at one place, the one that is farther off moves.
+        for later in 1..places.len() {
+            let [one, other] = [later - 1, later].map(|own| off(places[own], times_s[own]));
+            match places[later] <= places[later - 1] {
+                true if other > -one => places[later] += 1,
+                true => places[later - 1] = places[later - 1].saturating_sub(1),
+                false => {}
+            }
+        }
+        let all = (places[places.len() - 1] + 1).saturating_sub(places[0]);
+        let missing = all.saturating_sub(times_s.len());
         let rate_hz = rate_hz.unwrap_or(1.0 / step_s);
         if missing > times_s.len() {
             let found = format!("{missing} of {all} frames missing at {} Hz", short(rate_hz));
             return Err((found, "at most as many missing frames as there are".into()));
         }
-        let far = |(time_s, place): &(&f64, &usize)| ((*time_s - start_s) / step_s - **place as f64).abs() >= FAR;
-        if let Some((time_s, _)) = times_s.iter().zip(&places).find(far) {
-            let found = format!("a frame at {} s", short(*time_s));
+        let is_far = |own: &usize| {
+            off(places[*own], times_s[*own]).abs() >= FAR || (*own > 0 && places[*own] <= places[own - 1])
+        };
+        if let Some(time_s) = (0..places.len()).find(is_far).map(|own| times_s[own]) {
+            let found = format!("a frame at {} s", short(time_s));
             return Err((found, format!("frames at one rate, here {} Hz, to half a frame", short(rate_hz))));
         }
         let first = places[0];
-        Ok(TimeGrid { rate_hz, places: places.into_iter().map(|place| place - first).collect() })
+        Ok(TimeGrid { rate_hz, places: places.into_iter().map(|place| place.saturating_sub(first)).collect() })
     }
 
     /// The frames at their places. Those that are missing repeat the one before. Times begin at 0.
@@ -140,10 +152,10 @@ mod tests {
         #[test]
         fn jitter_below_half_a_frame_is_placed(
             (jitters, lost) in (600..1500_usize).prop_flat_map(|count| {
-                (prop::collection::vec(-0.4..0.4, count), prop::collection::vec((10..count, 1..99_usize), 0..4))
+                (prop::collection::vec(-0.4..0.4_f64, count), prop::collection::vec((10..count, 1..99_usize), 0..4))
             }),
             single in 2..40_usize,
-            rate_hz in 99.0..101.0,
+            rate_hz in 99.0..101.0_f64,
         ) {
             let is_there = |place: &usize| {
                 *place == 0

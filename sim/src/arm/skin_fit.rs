@@ -95,7 +95,8 @@ impl Arm {
 
 /// Says so if most taxels of a patch lie on those of another one on the same link.
 fn hidden(patch: &Patch, other: &Patch) -> Option<String> {
-    let near_m = reach_m(&other.taxels) / 2.0;
+    // More than half a diagonal of a square grid, less than its pitch.
+    let near_m = 0.75 * reach_m(&other.taxels);
     let lies_on = |own: &&Taxel| other.taxels.iter().any(|one| one.position_link.distance(own.position_link) < near_m);
     let (count, all) = (patch.taxels.iter().filter(lies_on).count(), patch.taxels.len());
     let text = || format!("patch {}: {count} of {all} taxels lie on those of patch {}", patch.name, other.name);

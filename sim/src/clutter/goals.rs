@@ -69,17 +69,15 @@ pub(super) fn draw_goals(
             None
         });
         let goal = goal.ok_or_else(|| {
-            let found = format!("no goal number {} in {rejected}", number + 1);
             let first = arm.arm.skin.layout.patches.first().filter(|_| rejected.beside == rejected.tried);
-            match first {
-                Some(patch) => scene.fault(
-                    "goals",
-                    format!("{found}; the skin here is its first patch, {} on {}", patch.name, patch.link),
-                    "ranges of goals among the objects, or a patch that passes by them, on a link farther from the base, first \
-                     in the skin file",
-                ),
-                None => scene.fault("goals", found, "ranges of goals among the objects, where the arm has room"),
-            }
+            let skin =
+                first.map(|own| format!("; the skin here is its first patch, {} of link {}", own.name, own.link));
+            let found = format!("no goal number {} in {rejected}{}", number + 1, skin.unwrap_or_default());
+            let allowed = match first {
+                Some(_) => "goals among the objects, or a first patch in the skin file that is farther from the base",
+                None => "ranges of goals among the objects, where the arm has room",
+            };
+            scene.fault("goals", found, allowed)
         })?;
         goals.push(goal);
         from = goal;
