@@ -217,6 +217,20 @@ mod tests {
         }
     }
 
+    /// Tests that a model that was made before widths differed is read, and that all its intervals have one width.
+    #[test]
+    fn a_model_without_expected_errors_has_one_width() {
+        let objects = pressed(&["pole", "roll"]);
+        let mut text = serde_json::to_value(fit(&objects).unwrap()).unwrap();
+        assert!(text.as_object_mut().unwrap().remove("error").is_some());
+        text["ends"] = serde_json::json!([-0.5, 0.5]);
+        let trees: StiffnessTrees = serde_json::from_value(text).unwrap();
+        for (_, own) in &objects {
+            let told = trees.of(&own.features);
+            assert!((told.high_n_per_m / told.low_n_per_m / std::f64::consts::E - 1.0).abs() < 1e-12, "{told:?}");
+        }
+    }
+
     /// Tests that a single family is not enough, because nothing shows how far off the trees are on others.
     #[test]
     fn one_family_is_not_enough() {
