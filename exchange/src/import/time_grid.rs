@@ -24,8 +24,8 @@ pub(super) struct TimeGrid {
     places: Vec<usize>,
 }
 
-/// How well times fit frames of this step: 1 if they are right, and near 0 if they may be anywhere; and the place of frame 0
-/// after the first time, in frames. It is the periodogram of the times.
+/// How well times fit frames of this step, from 0 (they may be anywhere) to 1 (they fit exactly), by the periodogram of the times;
+/// and how far after the first time frame 0 is, in frames.
 fn fit(times_s: &[f64], step_s: f64) -> (f64, f64) {
     let turns = times_s.iter().map(|time_s| TAU * (time_s - times_s[0]) / step_s);
     let [sine, cosine] = turns.fold([0.0, 0.0], |[sine, cosine], turn| {

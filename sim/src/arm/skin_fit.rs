@@ -80,9 +80,9 @@ fn place(distance_m: f64, link: &str) -> String {
 }
 
 impl Arm {
-    /// What is doubtful about the skin: patches on each other and, at most two sentences per patch, taxels so far off the collision surface that a
-    /// contact's force may go to a neighbour (more than half the patch's reach), and taxels whose normal is more than
-    /// 60° off the surface's, which feel only what presses from the side.
+    /// What is doubtful about the skin: taxels so far off the collision surface that a contact's force may go to a neighbour (more
+    /// than half the patch's reach), taxels whose normal is more than 60° off the surface's, which feel only what presses from
+    /// the side, and patches that lie on other ones.
     pub fn skin_doubts(&self) -> Vec<String> {
         let patches = self.skin.layout.patches.iter().zip(&self.skin.surfaces);
         let covered = patches.clone().enumerate().flat_map(|(number, (patch, own))| {

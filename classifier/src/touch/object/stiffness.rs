@@ -196,8 +196,8 @@ mod tests {
         }
     }
 
-    /// Tests that the width follows the errors: where the second feature is 1, the truth is 4 times the middle or a quarter of it, and
-    /// elsewhere 1.2 times or 1 / 1.2.
+    /// Tests that the interval is wide for objects with large errors. Where the second feature is 1, the truth is 4 times the
+    /// middle or a quarter of it; elsewhere it is 1.2 times the middle or 1 / 1.2 of it.
     #[test]
     fn the_interval_is_wide_where_errors_are_large() {
         let mut objects = pressed(&["pole", "roll", "stalk"]);

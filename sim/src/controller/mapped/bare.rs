@@ -71,11 +71,14 @@ impl BareSurface {
                 - joint.damping_nm_s_per_rad * input.joint_velocity_rad_per_s[index]
         });
         let mut torque = DVector::from_iterator(arm.joints.len(), joints);
-        let inertial_nm = (arm.mass_matrix(link_poses) * acceleration).norm();
         for contact in input.contacts {
             torque += contact.position_jacobian.tr_mul(&vector(contact.inward_normal_world)) * contact.force_n;
         }
-        if torque.norm() < LEAST_NM + inertial_nm {
+        // Where inertia may explain the torques, nothing is known of a contact. To subtract it costs Cody goals (29 instead of 32 of
+        // 40 in `gate`, seed 520).
+        let torque_nm = torque.norm();
+        let inertial_nm = || (arm.mass_matrix(link_poses) * acceleration).norm();
+        if torque_nm < LEAST_NM || torque_nm < LEAST_NM + inertial_nm() {
             return None;
         }
         let fit = |(link, point, normal): &(usize, DVec3, DVec3)| {
