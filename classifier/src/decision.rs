@@ -63,7 +63,8 @@ pub enum Rule {
         #[serde(alias = "lead")]
         margin: f64,
     },
-    /// Uncertain below one threshold, the best category above another, and an outlier in between (section V-D).
+    /// Uncertain below one threshold, the best category above another, and an outlier in between (section V-D). If both are the
+    /// same, nothing is an outlier.
     OutlierBand {
         /// Uncertain if the margin is below this, in nats.
         uncertain_below: f64,
@@ -270,8 +271,13 @@ impl Judge {
             _ if margin == 0.0 => Choice::Uncertain,
             Rule::Argmax => Choice::Category(index),
             Rule::UncertainBelow { margin: min } if margin < min => Choice::Uncertain,
-            Rule::OutlierBand { uncertain_below, .. } if margin < uncertain_below => Choice::Uncertain,
-            Rule::OutlierBand { category_above, .. } if margin <= category_above => Choice::Outlier,
+            Rule::OutlierBand { uncertain_below, category_above } if margin <= category_above => {
+                if margin < uncertain_below || uncertain_below == category_above {
+                    Choice::Uncertain
+                } else {
+                    Choice::Outlier
+                }
+            }
             _ => Choice::Category(index),
         }
     }

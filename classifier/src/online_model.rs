@@ -5,6 +5,7 @@ use std::sync::Arc;
 use underbrush_recording::{Fault, SkinLayout};
 
 use crate::model_file::Model;
+use crate::provenance::Provenance;
 use crate::{OnlineClassifier, OnlineError, OnlineOptions, TouchClassifier, TouchModel};
 
 /// A model of either kind, and how it judges frames as they come.
@@ -52,6 +53,14 @@ impl OnlineModel {
             }
             OnlineModel::Touch(model) => OnlineJudge::Touch(Box::new(TouchClassifier::new(Arc::clone(model), layout)?)),
         })
+    }
+
+    /// Where the model comes from.
+    pub fn provenance(&self) -> &Provenance {
+        match self {
+            OnlineModel::OfTrials(model, _) => &model.provenance,
+            OnlineModel::Touch(model) => &model.provenance,
+        }
     }
 
     /// Its categories in alphabetical order.

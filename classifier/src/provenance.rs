@@ -1,6 +1,7 @@
 //! Where a model comes from.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -33,8 +34,27 @@ pub struct Provenance {
     pub further: BTreeMap<String, Value>,
 }
 
+/// How much the rate of frames may differ from that of a model's data, relatively.
+const RATE_TOLERANCE: f64 = 0.1;
+
+impl Provenance {
+    /// Warns if frames come at another rate, Hz, than those of the data that the model was fitted to. `subject` names the frames.
+    /// Nothing is said if either rate is unknown.
+    pub fn warn_of_rate(&self, subject: impl Display, rate_hz: Option<f64>) {
+        let others = self.data.iter().filter_map(|data| data.rate_hz.zip(rate_hz));
+        let other = others.into_iter().find(|(own, rate)| (rate / own - 1.0).abs() > RATE_TOLERANCE);
+        if let Some((own, rate)) = other {
+            let [own, rate] = [own, rate].map(|hz| (100.0 * hz).round() / 100.0);
+            log::warn!(
+                "warning: {subject}: frames at {rate} Hz, but the model was fitted to frames at {own} Hz; classifiers count \
+                 samples, so do not trust its verdicts here; use a model that was fitted to data of this rate"
+            );
+        }
+    }
+}
+
 /// Data that a model was fitted to.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DataSource {
     /// What the data are.
     pub kind: DataKind,
@@ -50,6 +70,9 @@ pub struct DataSource {
     /// Number of reaches of each scene.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub reaches: BTreeMap<String, usize>,
+    /// Frames per second, Hz; unknown for tables of trials.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_hz: Option<f64>,
 }
 
 /// A kind of data.

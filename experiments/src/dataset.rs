@@ -56,17 +56,19 @@ pub struct Campaign {
 /// Checks the name of a user's own controller.
 ///
 /// # Errors
-/// For an empty name, one that is not plain text, that of robots' logs, and that of a controller that ships.
+/// For an empty name, one that is not plain text or no name of a file, that of robots' logs, and that of a controller that ships.
 pub fn check_own_name(controller: &str) -> Result<(), Fault> {
     if ControllerKind::from_name(controller).is_ok() {
         return Err(Fault::Usage(format!(
             "the controller is called {controller}, which is the name of a controller that ships; give it a name of its own"
         )));
     }
-    if !controller.is_empty() && is_plain(controller) && controller != Recording::UNKNOWN_CONTROLLER {
+    let is_file_name = (1..=100).contains(&controller.len()) && !controller.contains(['/', '\\']);
+    if is_file_name && is_plain(controller) && controller != Recording::UNKNOWN_CONTROLLER {
         return Ok(());
     }
-    let allowed = format!("{PLAIN}, and not {}, as in robots' logs", Recording::UNKNOWN_CONTROLLER);
+    let not = Recording::UNKNOWN_CONTROLLER;
+    let allowed = format!("1 to 100 bytes of {PLAIN}, without / and \\, and not {not}, as in robots' logs");
     Err(Fault::Usage(format!("the controller is called {controller:?}; allowed: {allowed}; give it a name of its own")))
 }
 

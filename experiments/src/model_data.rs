@@ -18,7 +18,12 @@ pub fn provenance(options: Value, data: Vec<DataSource>) -> Provenance {
         Value::Object(options) => options.into_iter().filter(|(_, value)| !value.is_null()).collect(),
         _ => BTreeMap::new(),
     };
-    Provenance { program: Some(format!("underbrush {PROGRAM_VERSION}")), options, data, further: BTreeMap::new() }
+    let program = Some(format!("underbrush {PROGRAM_VERSION}"));
+    let provenance = Provenance { program, options, data, further: BTreeMap::new() };
+    for data in &provenance.data {
+        provenance.warn_of_rate(data.name.as_deref().unwrap_or("training data"), data.rate_hz);
+    }
+    provenance
 }
 
 /// A data set, a recording or a table of trials.
@@ -36,6 +41,7 @@ pub fn of_path(path: &Path) -> Result<DataSource, DiskError> {
         blake3: file_blake3(path)?,
         seed: None,
         reaches: BTreeMap::new(),
+        rate_hz: None,
     };
     if !is_recording(path)? {
         return Ok(source);
@@ -53,6 +59,7 @@ pub fn of_reaches<'a>(dataset: &Dataset, episodes: impl Iterator<Item = &'a Epis
         blake3: dataset.data_blake3(),
         seed: Some(dataset.provenance().seed),
         reaches,
+        rate_hz: Some(dataset.info().fps),
     }
 }
 
@@ -62,6 +69,7 @@ pub fn of_recording(recording: &Recording) -> DataSource {
         kind: DataKind::Recording,
         seed: (!recording.is_log()).then_some(recording.seed),
         reaches: [(recording.scene.clone(), 1)].into(),
+        rate_hz: Some(recording.rate_hz),
         ..in_memory(recording)
     }
 }
@@ -84,6 +92,7 @@ pub fn in_memory(data: &impl Serialize) -> DataSource {
         blake3: hasher.finalize().to_hex().to_string(),
         seed: None,
         reaches: BTreeMap::new(),
+        rate_hz: None,
     }
 }
 

@@ -13,8 +13,8 @@ const RESAMPLES: usize = 1000;
 pub struct Estimate {
     /// The statistic of all reaches; `None` if they do not determine it, such as a mean over nothing.
     pub value: Option<f64>,
-    /// Ends of the 95 % interval (percentile bootstrap over whole reaches); `None` without a value, or if fewer than
-    /// half of the resamples determine it.
+    /// Ends of the 95 % interval (percentile bootstrap over whole reaches); `None` without a value, if fewer than half of the
+    /// resamples determine it, or if all are alike, which says nothing about other reaches.
     pub interval: Option<[f64; 2]>,
 }
 
@@ -57,7 +57,8 @@ impl Estimate {
         let quantile = |share: f64| values[(share * (values.len() - 1) as f64).round() as usize];
         Estimate {
             value: Some(value),
-            interval: (2 * values.len() >= RESAMPLES).then(|| [quantile(0.025), quantile(0.975)]),
+            interval: (2 * values.len() >= RESAMPLES && values.first() != values.last())
+                .then(|| [quantile(0.025), quantile(0.975)]),
         }
     }
 }
@@ -84,12 +85,12 @@ mod tests {
         assert!((high - (9.5 + 1.96 * error)).abs() < 0.3 * error, "{high}");
     }
 
-    /// Tests that groups are resampled separately: the difference of two constant groups has no spread.
+    /// Tests that groups are resampled separately: the difference of two constant groups has no spread, so it has no interval.
     #[test]
     fn groups_are_not_mixed() {
         let (ones, threes) = ([1.0; 9], [3.0; 5]);
         let found = Estimate::of_groups(&[&ones, &threes], |groups| Some(mean(&groups[1])? - mean(&groups[0])?));
-        assert_eq!((found.value, found.interval), (Some(2.0), Some([2.0, 2.0])));
+        assert_eq!((found.value, found.interval), (Some(2.0), None));
     }
 
     /// Tests that there is neither a value nor an interval without reaches.

@@ -146,6 +146,9 @@ impl PyTouchModel {
 
     /// Judge the frames of reaches with ground truth.
     fn evaluate<'py>(&self, py: Python<'py>, reaches: Vec<Py<Reach>>) -> Answer<'py> {
+        for data in Reach::sources(reaches.iter().map(Py::get)) {
+            self.model.provenance.warn_of_rate(data.name.as_deref().unwrap_or("reaches"), data.rate_hz);
+        }
         let reaches = Given(&reaches);
         let judge = |_: &_| judge_touch(self.model.as_ref().clone(), &reaches);
         json::to_python(py, &watched(py, None, &Arc::default(), None, judge)?)

@@ -99,11 +99,13 @@ impl std::iter::Sum for GoalOutcomes {
     }
 }
 
-/// Readable text: `5 of 7 goals reached, 1 stuck, 1 aborted`.
+/// Readable text: `5 of 7 tried goals reached, 1 stuck, 1 aborted`.
 impl fmt::Display for GoalOutcomes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // An aborted reach does not try its further goals.
+        let tried = if self.aborted > 0 { "tried " } else { "" };
         let goals = if self.tried() == 1 { "goal" } else { "goals" };
-        write!(f, "{} of {} {goals} reached", self.reached, self.tried())?;
+        write!(f, "{} of {} {tried}{goals} reached", self.reached, self.tried())?;
         for (count, name) in [(self.stuck, "stuck"), (self.timed_out, "timed out"), (self.aborted, "aborted")] {
             if count > 0 {
                 write!(f, ", {count} {name}")?;

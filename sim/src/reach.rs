@@ -100,11 +100,10 @@ impl<'a> Reach<'a> {
     /// Drives the end effector to a goal. An arm that gets stuck backs off and tries again, as often as the scene
     /// allows.
     fn pursue(&mut self, goal: Goal, observer: &mut Observer) -> Result<Outcome, ReachError> {
-        let (goals, rules) = (&self.plan.scene.file.goals, self.plan.rules);
-        let rules = goals.patience_s.map_or(rules, |patience_s| rules.watched_for(patience_s));
+        let rules = self.plan.rules;
         let backing_off = ReachRules { time_out_s: back_off::TIME_S, ..rules };
         let mut waypoints = [goal.position_world; 2];
-        back_off::pursue(goals.retries, |way| {
+        back_off::pursue(self.plan.scene.file.goals.retries, |way| {
             let (target_world, rules) = match way {
                 Way::ToGoal => (goal.position_world, rules),
                 Way::Back => {

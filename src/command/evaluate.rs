@@ -12,7 +12,7 @@ use underbrush_classifier::evaluate::{
     evaluate, outlier_roc, warn_of_left_out,
 };
 use underbrush_classifier::registry::CLASSIFIERS;
-use underbrush_classifier::{Classifier, ClassifierKind, Decision, FeatureSet, Provenance, Rule, Scores};
+use underbrush_classifier::{Classifier, ClassifierKind, DataSource, Decision, FeatureSet, Provenance, Rule, Scores};
 use underbrush_experiments::model_data;
 use underbrush_recording::{Category, InputError, Trial};
 
@@ -102,7 +102,7 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     }
     let model = options.model.as_deref().map(any_model::load).transpose()?;
     if let Some(model) = &model {
-        options.warn_of_own_data(model.provenance())?;
+        options.warn_of_data(model.provenance())?;
     }
     let model = match model {
         Some(AnyModel::Touch(model)) => {
@@ -205,9 +205,9 @@ impl EvaluateOptions {
     /// that on training data.
     fn check_apart(&self) -> Result<(), Failure> {
         let Some(train) = &self.train else { return Ok(()) };
-        let fitted = content(train)?;
+        let fitted = content(train)?.blake3;
         for path in &self.trials {
-            if content(path)? != fitted {
+            if content(path)?.blake3 != fitted {
                 continue;
             }
             let found = "the same data to fit on and to test on";
@@ -218,11 +218,12 @@ impl EvaluateOptions {
         Ok(())
     }
 
-    /// Warns of a model that was fitted to the trials.
-    fn warn_of_own_data(&self, provenance: &Provenance) -> Result<(), Failure> {
+    /// Warns of a model that was fitted to the trials, or to frames of another rate.
+    fn warn_of_data(&self, provenance: &Provenance) -> Result<(), Failure> {
         for path in &self.trials {
             let own = content(path)?;
-            if provenance.data.iter().any(|data| data.blake3 == own) {
+            provenance.warn_of_rate(path.display(), own.rate_hz);
+            if provenance.data.iter().any(|data| data.blake3 == own.blake3) {
                 let found = "the model was fitted to these data, so its accuracy on them is too high";
                 output::remark(format!("warning: {}: {found}; evaluate it on other data", path.display()));
             }
@@ -251,10 +252,10 @@ impl EvaluateOptions {
     }
 }
 
-/// The hash of a data set, a recording or a table.
-fn content(path: &Path) -> Result<String, Failure> {
+/// Hash and rate of a data set, a recording or a table.
+fn content(path: &Path) -> Result<DataSource, Failure> {
     input::check_exists(path, "a data set (folder), recording or table of trials")?;
-    Ok(model_data::of_path(path)?.blake3)
+    Ok(model_data::of_path(path)?)
 }
 
 /// A classifier fitted to the trials in another file.

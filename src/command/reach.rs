@@ -62,6 +62,8 @@ struct Report {
     seed: u64,
     reach_index: u64,
     goals_reached: usize,
+    /// Number of goals of the scene. Those after a safety stop are not tried.
+    all_goals: u32,
     goals: Vec<Goal>,
     /// What aborted the reach, if a force exceeded the stop force.
     aborted_by: Option<NamedStop>,
@@ -138,13 +140,20 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
     }
     output::remarks(audit::reach_warnings(&recording));
     let f_max_n = plan.controller.preset().map(|preset| preset.force_limit_n);
-    let report = Report::of(&recording, &options_of_trials, f_max_n, wall_s)?;
+    let goals = plan.scene.file.goals.number();
+    let report = Report::of(&recording, goals, &options_of_trials, f_max_n, wall_s)?;
     output::result(json, &report, || report.text())?;
     watched.map_or(Ok(()), |watched| watched.end(recording))
 }
 
 impl Report {
-    fn of(recording: &Recording, options: &TrialOptions, f_max_n: Option<f64>, wall_s: f64) -> Result<Self, Failure> {
+    fn of(
+        recording: &Recording,
+        all_goals: u32,
+        options: &TrialOptions,
+        f_max_n: Option<f64>,
+        wall_s: f64,
+    ) -> Result<Self, Failure> {
         let layout = &recording.layout;
         let patch = layout.chosen_patch(options.patch.as_deref()).map(|index| &layout.patches[index]);
         let cut = |by| {
@@ -165,6 +174,7 @@ impl Report {
             seed: recording.seed,
             reach_index: recording.reach_index,
             goals_reached: recording.goal_outcomes().reached,
+            all_goals,
             goals: recording.goals.iter().map(goal).collect(),
             aborted_by: recording.safety_stop(),
             touched_frames: recording.touched_frames(),
@@ -199,7 +209,7 @@ impl Report {
             .map(|(patch, frames)| format!("{patch} in {}", output::counted(*frames, "frame", "frames")))
             .collect();
         let touched = if touched.is_empty() { "no skin".into() } else { touched.join(", ") };
-        let (all, trials) = (self.goals.len(), self.trials());
+        let (all, trials) = (self.all_goals, self.trials());
         let contacts = output::counted(self.contacts, "contact", "contacts");
         let Report { scene, controller, seed, reach_index, goals_reached, .. } = self;
         let Report { simulated_s, wall_s, simulated_over_wall, .. } = self;

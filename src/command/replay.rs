@@ -8,6 +8,7 @@ use clap::Args;
 use serde_json::json;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::{OnlineOptions, Scores};
+use underbrush_experiments::model_data;
 use underbrush_recording::disk::remove_leftovers;
 use underbrush_replay::{Judging, JudgingModel, Server, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
@@ -78,6 +79,10 @@ pub fn run(options: ReplayOptions, json: bool) -> Result<(), Failure> {
     }
     options.picture.check(options.overwrite, &options.inputs)?;
     let judging = judging(&options)?;
+    for path in &options.inputs {
+        let Some(judging) = &judging else { break };
+        judging.by.provenance().warn_of_rate(path.display(), model_data::of_path(path)?.rate_hz);
+    }
     let source = Source::open(&options.inputs, known(), judging)?;
     if options.picture.run(&source, &options.reaches, json)? {
         return Ok(());

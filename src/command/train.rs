@@ -228,11 +228,16 @@ fn thresholds(
         _ => about(error.into()),
     })?;
     warn(chosen.uncertain, "the held-out trials");
+    for (category, _) in chosen.true_positive_rate.iter().filter(|(_, rate)| **rate == 0.0) {
+        output::remark(format!("warning: with these thresholds no held-out {category} is called {category}; {REMEDY}"));
+    }
     if let Some(rates) = &chosen.sample_by_sample {
         warn(rates.uncertain, "the verdicts given sample by sample while held-out contacts last");
     }
     Ok(Some(chosen))
 }
+
+const REMEDY: &str = "allow a higher --false-positive-rate, or use classify --decision argmax";
 
 /// Choice: thresholds that leave more than this fraction uncertain are useless.
 const NEARLY_ALL: f64 = 0.9;
@@ -241,8 +246,7 @@ const NEARLY_ALL: f64 = 0.9;
 fn warn(uncertain: f64, of_what: &str) {
     if uncertain > NEARLY_ALL {
         let found = format!("with these thresholds {:.1} % of {of_what} are uncertain", 100.0 * uncertain);
-        let remedy = "allow a higher --false-positive-rate, or use classify --decision argmax";
-        output::remark(format!("warning: {found}; {remedy}"));
+        output::remark(format!("warning: {found}; {REMEDY}"));
     }
 }
 

@@ -186,7 +186,8 @@ impl Baseline for NearestNeighbours {
     }
 
     /// The logarithm of each category's votes divided by its number of training trials, because frequent categories
-    /// have more neighbours. One additional vote is divided among all categories, so that none is impossible.
+    /// have more neighbours. One additional vote is divided among the categories in proportion to these numbers, so that none is
+    /// impossible, and categories without a neighbour have the same score.
     fn scores(&self, learned: &Learned, contact: &Vec<f64>, scores: &mut [f64]) {
         let mut channels = self.channels(contact);
         for (d, value) in channels.iter_mut().enumerate() {
@@ -200,7 +201,8 @@ impl Baseline for NearestNeighbours {
         if votes < nearest.len() {
             nearest.select_nth_unstable_by(votes, by_distance);
         }
-        let mut share = vec![1.0 / scores.len() as f64; scores.len()];
+        let all: usize = learned.count.iter().sum();
+        let mut share: Vec<f64> = learned.count.iter().map(|count| *count as f64 / all as f64).collect();
         nearest[..votes].iter().for_each(|&(_, category)| share[category] += 1.0);
         for ((score, share), count) in scores.iter_mut().zip(share).zip(&learned.count) {
             *score = math::ln(share / *count as f64);

@@ -61,7 +61,7 @@ pub enum EvaluateError {
         remedy: &'static str,
     },
     /// More folds of whole reaches than reaches.
-    #[error("{reaches} reaches are fewer than the {folds} folds; use fewer folds or more reaches")]
+    #[error("{reaches} reaches are fewer than the {folds} folds; use {}more reaches", if *reaches < 2 { "" } else { "fewer folds or " })]
     FewReaches {
         /// Number of reaches.
         reaches: usize,

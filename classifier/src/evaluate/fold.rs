@@ -76,9 +76,10 @@ impl Folds {
 
     /// The fold of each trial, in the same order. By position, every category is in every fold.
     ///
-    /// The i-th of n units of a category (trials, or reaches in the order of their index) goes to fold ⌊i·k/n⌋ of k. A
-    /// reach belongs to the category of most of its trials; in a tie, the first of these categories in alphabetical
-    /// order counts. A category that is a minority in its reaches may be missing from folds.
+    /// The i-th of n trials of a category goes to fold ⌊i·k/n⌋ of k, as in the paper. The i-th reach of a category, in the
+    /// order of their index, goes to fold i modulo k: a data set holds one scene after the other, so each fold gets its part of
+    /// all scenes. A reach belongs to the category of most of its trials; in a tie, the first of these categories in
+    /// alphabetical order counts. A category that is a minority in its reaches may be missing from folds.
     pub(super) fn assign(self, trials: &[&Trial]) -> Result<Vec<usize>, EvaluateError> {
         if self.count < 2 {
             return Err(EvaluateError::FoldCount { found: self.count });
@@ -88,7 +89,7 @@ impl Folds {
                 let units: Vec<&str> = trials.iter().map(|trial| category(trial)).collect();
                 let count = frequencies(units.iter().copied());
                 self.check_enough(&count, "trials")?;
-                Ok(self.assign_units(&units, &count))
+                Ok(assign(&units, |place, category| place * self.count / count[category]))
             }
             FoldBy::Reach => {
                 if let Some(trial) = trials.iter().find(|trial| trial.reach.is_none()) {
@@ -97,7 +98,7 @@ impl Folds {
                 let votes = votes(trials.iter().copied());
                 self.check_enough(&reaches_with(&votes), "reaches")?;
                 let units: Vec<&str> = votes.values().filter_map(most_frequent).collect();
-                let folds = self.assign_units(&units, &frequencies(units.iter().copied()));
+                let folds = assign(&units, |place, _| place % self.count);
                 let fold_of: BTreeMap<u64, usize> = votes.keys().copied().zip(folds).collect();
                 Ok(trials.iter().filter_map(|trial| fold_of.get(&trial.reach?).copied()).collect())
             }
@@ -113,17 +114,17 @@ impl Folds {
             None => Ok(()),
         }
     }
+}
 
-    /// The fold of each unit, given their categories, and how many each category has.
-    fn assign_units(self, units: &[&str], count: &BTreeMap<&str, usize>) -> Vec<usize> {
-        let mut position: BTreeMap<&str, usize> = BTreeMap::new();
-        let folds = units.iter().copied().map(|category| {
-            let next = position.entry(category).or_default();
-            *next += 1;
-            (*next - 1) * self.count / count[category]
-        });
-        folds.collect()
-    }
+/// The fold of each unit, given their categories: `fold_of` gives it from the place of a unit within its category.
+fn assign(units: &[&str], fold_of: impl Fn(usize, &str) -> usize) -> Vec<usize> {
+    let mut position: BTreeMap<&str, usize> = BTreeMap::new();
+    let folds = units.iter().copied().map(|category| {
+        let next = position.entry(category).or_default();
+        *next += 1;
+        fold_of(*next - 1, category)
+    });
+    folds.collect()
 }
 
 fn category(trial: &Trial) -> &str {

@@ -47,9 +47,9 @@ pub fn wilson(successes: usize, trials: usize) -> Interval {
 
 /// Percentile bootstrap of the accuracy over whole reaches, the clusters within which records depend on each other.
 ///
-/// Each resample draws as many reaches as there are, with replacement. If all records are right, or none is, all resamples
-/// are alike and say nothing about other reaches. The interval is then that of [`wilson`] for as many trials as there are
-/// reaches. `None` if a record names no reach or there are fewer than two reaches. `categories` are those of the classifier.
+/// Each resample draws as many reaches as there are, with replacement. If all resamples are alike, for instance because all
+/// records are right, they say nothing about other reaches. The interval is then that of [`wilson`] for as many trials as there are
+/// reaches. With few reaches the interval is too narrow. `None` if a record names no reach or there are fewer than two reaches. `categories` are those of the classifier.
 pub fn bootstrap_by_reach<'a>(
     records: impl IntoIterator<Item = Record<'a>>,
     categories: &[String],
@@ -63,11 +63,6 @@ pub fn bootstrap_by_reach<'a>(
     let reaches: Vec<(usize, usize)> = reaches.into_values().collect();
     if reaches.len() < 2 {
         return None;
-    }
-    let right = |(correct, count): &(usize, usize)| correct == count;
-    let wrong = |(correct, _): &(usize, usize)| *correct == 0;
-    if reaches.iter().all(right) || reaches.iter().all(wrong) {
-        return Some(wilson(reaches.iter().filter(|own| right(own)).count(), reaches.len()));
     }
     let mut rng = ChaCha8Rng::seed_from_u64(0);
     let mut accuracies: Vec<f64> = (0..RESAMPLES)
@@ -83,6 +78,9 @@ pub fn bootstrap_by_reach<'a>(
         })
         .collect();
     accuracies.sort_by(f64::total_cmp);
+    if accuracies[0] == accuracies[RESAMPLES - 1] {
+        return Some(wilson((accuracies[0] * reaches.len() as f64).round() as usize, reaches.len()));
+    }
     let quantile = |q: f64| accuracies[(q * (RESAMPLES - 1) as f64).round() as usize];
     Some(Interval { low: quantile(0.025), high: quantile(0.975) })
 }

@@ -79,19 +79,21 @@ impl UnknownFigures {
         let sum = |own: &[&JudgedObject], count: fn(&JudgedObject) -> usize| own.iter().map(|own| count(own)).sum();
         let called_unknown = |own: &JudgedObject| usize::from(is_unknown(&own.at_end));
         let unlike = |own: &[&JudgedObject]| own.iter().map(|own| -own.share_beyond).collect::<Vec<_>>();
+        // A model without unknown objects in training calls nothing unknown, which says nothing about other reaches.
+        let tells = objects.iter().any(|own| own.share_beyond != objects[0].share_beyond);
         UnknownFigures {
             unknown_objects: unknown.len(),
             found_objects: sum(&unknown, called_unknown),
-            found_interval: interval(&unknown, |own| is_unknown(&own.at_end)),
+            found_interval: interval(&unknown, |own| is_unknown(&own.at_end)).filter(|_| tells),
             found_objects_at_peak: sum(&unknown, |own| usize::from(is_unknown(&own.at_peak))),
             known_objects: known.len(),
             false_alarm_objects: sum(&known, called_unknown),
-            false_alarm_interval: interval(&known, |own| is_unknown(&own.at_end)),
+            false_alarm_interval: interval(&known, |own| is_unknown(&own.at_end)).filter(|_| tells),
             unknown_contacts: sum(&unknown, |own| own.contacts),
             found_contacts: sum(&unknown, |own| own.contacts_called_unknown),
             known_contacts: sum(&known, |own| own.contacts),
             false_alarm_contacts: sum(&known, |own| own.contacts_called_unknown),
-            roc_area: RocCurve::of(&unlike(&unknown), &unlike(&known)).map(|curve| curve.area),
+            roc_area: RocCurve::of(&unlike(&unknown), &unlike(&known)).filter(|_| tells).map(|curve| curve.area),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The verdict on one trial or on anything else, and when it is right.
 
 use serde::Serialize;
-use underbrush_recording::Trial;
+use underbrush_recording::{Category, Trial};
 
 use crate::decision::{Judge, Verdict};
 
@@ -60,6 +60,8 @@ impl Prediction {
 /// // Uncertain is 2, outlier is 3.
 /// assert!(!record("trunk", 2).is_right(&categories));
 /// assert!(record("outlier", 3).is_right(&categories));
+/// // The classifier does not know bottles.
+/// assert!(record("bottle", 3).is_right(&categories));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record<'a> {
@@ -74,8 +76,8 @@ pub struct Record<'a> {
 }
 
 impl Record<'_> {
-    /// Whether the verdict is right, by a classifier with these categories. For a foreign object (category outlier) the
-    /// right verdict is outlier.
+    /// Whether the verdict is right, by a classifier with these categories. For an object of another category, such as an
+    /// outlier, the right verdict is outlier.
     ///
     /// No verdict is right for a foam block. It is not an outlier, because the paper defines an outlier as "an object
     /// which does not normally belong to the environment in question" (section V-D), and the leaves stand in these
@@ -83,7 +85,17 @@ impl Record<'_> {
     pub fn is_right(&self, categories: &[String]) -> bool {
         match categories.get(self.verdict) {
             Some(category) => category == self.truth,
-            None => self.verdict == categories.len() + 1 && self.truth == Verdict::Outlier.name(),
+            None => self.verdict == categories.len() + 1 && is_foreign(self.truth, categories),
         }
     }
+}
+
+/// Whether a verdict of this name is right, as in [`Record::is_right`].
+pub(super) fn is_right(truth: &str, verdict: &str, categories: &[String]) -> bool {
+    if verdict == Verdict::Outlier.name() { is_foreign(truth, categories) } else { verdict == truth }
+}
+
+/// Whether something is unknown to a classifier with these categories, and no foam block.
+pub(super) fn is_foreign(truth: &str, categories: &[String]) -> bool {
+    truth != Category::BLOCK.name() && !categories.iter().any(|known| known == truth)
 }

@@ -1,11 +1,10 @@
 //! Receiver operating characteristic (ROC) curves.
 
 use serde::Serialize;
-use underbrush_recording::Category;
 
 use super::evaluation::Evaluation;
+use super::prediction::is_foreign;
 use crate::decision::Judge;
-use crate::estimator::is_trained;
 
 /// The rates at one threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -82,7 +81,7 @@ pub fn category_roc(evaluation: &Evaluation, category: &str) -> Option<RocCurve>
     RocCurve::of(&positives, &negatives)
 }
 
-/// Outliers against the categories that classifiers are fitted on ([`is_trained`]); blocks are left out.
+/// Outliers, and objects of all other categories that the classifier does not know, against those that it knows; blocks are left out.
 ///
 /// A trial is called an outlier if its margin is at most a threshold and at least `uncertain_below` nats (paper,
 /// section V-D). The threshold increases along the curve, so the smallest margins are called outliers first. A margin
@@ -101,8 +100,9 @@ pub fn outlier_roc(evaluation: &Evaluation, judge: &Judge, uncertain_below: f64)
         let margins = records.map(|record| judge.margin(record.scores).map_or(0.0, |(_, margin)| margin));
         margins.map(|margin| if margin < uncertain_below { f64::NEG_INFINITY } else { -margin }).collect()
     };
-    let outliers = scores(&|category| category == Category::OUTLIER.name());
-    let mut curve = RocCurve::of(&outliers, &scores(&is_trained))?;
+    let known = evaluation.known_categories();
+    let outliers = scores(&|category| is_foreign(category, known));
+    let mut curve = RocCurve::of(&outliers, &scores(&|category| known.iter().any(|own| own == category)))?;
     for point in &mut curve.points {
         // From the score back to the margin, without a negative zero.
         point.threshold = point.threshold.map(|score| 0.0 - score);

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use underbrush_recording::Category;
 
+use super::prediction::is_right;
 use crate::decision::Verdict;
 
 mod judge;
@@ -48,12 +49,12 @@ impl Tally {
         self.correct + self.misclassified + self.uncertain
     }
 
-    /// Counts taxels with this truth and verdict.
-    fn count(&mut self, truth: Option<Category>, verdict: &str, count: usize) {
+    /// Counts taxels with this truth and verdict, by a classifier with these categories.
+    fn count(&mut self, truth: Option<Category>, verdict: &str, categories: &[String], count: usize) {
         match truth {
             None => self.unknown += count,
             _ if verdict == Verdict::Uncertain.name() => self.uncertain += count,
-            Some(truth) if truth.name() == verdict => self.correct += count,
+            Some(truth) if is_right(truth.name(), verdict, categories) => self.correct += count,
             Some(_) => self.misclassified += count,
         }
     }
@@ -70,7 +71,7 @@ pub struct StreamFrame {
     pub tally: Tally,
     /// The taxels in contact, by verdict, in the order of [`Stream::verdicts`].
     pub by_verdict: Vec<usize>,
-    /// Whether an object of each of [`Stream::truths`] truly presses on the patch.
+    /// Whether an object of each of [`Stream::truths`] truly presses on a judged patch.
     pub touched: Vec<bool>,
     /// Mean number of samples used (Fig. 9) over the taxels in contact: how many samples of its contact had arrived
     /// when a taxel's current verdict was first given, or 0 while it is uncertain. 0 without contact.
@@ -109,12 +110,18 @@ pub struct Stream {
 }
 
 impl Stream {
+    /// The categories of the classifier.
+    fn categories(&self) -> &[String] {
+        let known = self.verdicts.iter().take_while(|name| *name != Verdict::Uncertain.name()).count();
+        &self.verdicts[..known]
+    }
+
     /// The taxels in contact with objects of this category, summed over all frames.
     pub fn tally_of(&self, truth: Category) -> Tally {
         let mut tally = Tally::default();
         let Some(row) = self.truths.iter().position(|other| *other == truth) else { return tally };
         for (verdict, count) in self.verdicts.iter().zip(&self.taxel_frames[row]) {
-            tally.count(Some(truth), verdict, *count);
+            tally.count(Some(truth), verdict, self.categories(), *count);
         }
         tally
     }

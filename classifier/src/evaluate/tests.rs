@@ -106,7 +106,8 @@ fn reaches_stay_together() {
     for (trial, fold) in table.iter().zip(&folds) {
         assert_eq!(*fold_of.entry(trial.reach).or_insert(*fold), *fold);
     }
-    assert_eq!(fold_of.into_values().collect::<Vec<_>>(), [0, 0, 1, 2, 0, 1, 2]);
+    // Leaves are in reaches 0 to 3, and trunks in the others.
+    assert_eq!(fold_of.into_values().collect::<Vec<_>>(), [0, 1, 2, 0, 0, 1, 2]);
 }
 
 /// Tests the errors for one fold, categories smaller than the folds, missing reaches and missing truth.
@@ -135,8 +136,8 @@ fn impossible_splits_are_named() {
 fn a_category_in_one_fold_only_is_refused() {
     let mut table = trials(0, 12);
     let folds = Folds { count: 2, by: FoldBy::Reach };
-    // Four reaches with three trunks each. The leaves are in the last two, so the second fold holds them.
-    table[8].category = Some("leaf".into());
+    // Four reaches with three trunks each. The leaves are in every second one, so the second fold holds them.
+    table[4].category = Some("leaf".into());
     table[10].category = Some("leaf".into());
     let error = cross_validate(&table, &recipe(), folds, &Decision::argmax()).unwrap_err();
     let expected = EvaluateError::FewCategories {
@@ -166,7 +167,7 @@ fn a_category_may_be_the_majority_of_one_reach() {
     }
     let used: Vec<&Trial> = table.iter().collect();
     let folds = Folds { count: 2, by: FoldBy::Reach }.assign(&used).unwrap();
-    assert_eq!(folds, [0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1]);
+    assert_eq!(folds, [0, 0, 0, 0, 0, 0, 1, 1, 1, 0, 0, 0]);
     assert_eq!(Folds::for_thresholds(&table).count, 3);
 }
 

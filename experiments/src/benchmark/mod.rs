@@ -245,7 +245,7 @@ impl Entry {
                 Figures::Transfer(Halves { ranking, public, audit })
             }
             Entry::Reaching(_) => {
-                let goals = frozen::scene(frozen::REACHING_SCENE)?.file.goals.count;
+                let goals = frozen::scene(frozen::REACHING_SCENE)?.file.goals.number();
                 let of_set = |(_, set): &(String, Dataset)| {
                     each_reach(set, progress, |reach| Ok(reaching::Reach::of(goals, reach)))
                 };

@@ -69,7 +69,15 @@ fn check_names(file: &ExperimentFile, source: &Source) -> Result<(), InputError>
     let of_entries =
         |entries: &[ClassifierEntry]| -> Vec<String> { entries.iter().map(|entry| entry.name.clone()).collect() };
     let recipes = file.recipes.iter().map(|recipe| recipe.name().to_owned());
-    let names: [(&str, Vec<String>); 5] = [
+    let training = file.training.iter().map(|own| own.scene.clone());
+    let names: [(&str, Vec<String>); 8] = [
+        // The same reaches would be in several folds.
+        ("training.scene", training.collect()),
+        ("truncations", file.truncations.iter().map(usize::to_string).collect()),
+        (
+            "ablation",
+            file.ablation.iter().map(|own| serde_json::json!(own).as_str().unwrap_or_default().to_owned()).collect(),
+        ),
         ("states", file.states.iter().map(usize::to_string).collect()),
         ("recipes", recipes.collect()),
         ("classifiers.name", of_entries(&file.classifiers)),

@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::de::Error;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 use underbrush_classifier::registry::{self, CLASSIFIERS};
 use underbrush_classifier::trial::Unit;
 use underbrush_classifier::{ClassifierKind, Estimator, FeatureSet, Recipe, ThresholdTargets};
@@ -120,7 +120,7 @@ pub struct TrainingScene {
     pub label: String,
     /// Number of reaches.
     pub reaches: u64,
-    /// Number of reaches with `--quick`; a third, rounded up, if not given.
+    /// Number of reaches with `--quick`; if not given a third, rounded up, and at least two.
     pub quick_reaches: Option<u64>,
     /// Number of reaches at each of `settings`; half if not given.
     pub setting_reaches: Option<u64>,
@@ -129,7 +129,11 @@ pub struct TrainingScene {
 impl TrainingScene {
     /// Number of reaches of a full run or a quick one.
     pub fn reaches(&self, quick: bool) -> u64 {
-        if quick { self.quick_reaches.unwrap_or(self.reaches.div_ceil(3)) } else { self.reaches }
+        if quick {
+            self.quick_reaches.unwrap_or(self.reaches.div_ceil(3).max(2).min(self.reaches))
+        } else {
+            self.reaches
+        }
     }
 
     /// Number of reaches at each setting, at least two and at most as many as in the run itself.
@@ -337,7 +341,7 @@ pub struct Setting {
 }
 
 /// A change to the training reaches, or to how trials are cut from them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AblationName {
     /// A trial's category is that of the object that touches the taxel, not the scene's label.

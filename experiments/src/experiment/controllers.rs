@@ -16,9 +16,11 @@ const FIRST_INDEX: u64 = 2000;
 /// All controllers on the same reaches.
 #[derive(Serialize, Deserialize)]
 pub struct ComparedControllers {
-    /// Name of the scene; empty if controllers are not compared.
+    /// Name of the scene; empty if controllers are not compared. The keys stand beside those of all other experiments.
+    #[serde(rename = "controllers_scene")]
     pub scene: String,
     /// Number of reaches of each controller.
+    #[serde(rename = "controllers_reaches")]
     pub reaches: u64,
     /// The controllers.
     pub controllers: Vec<ControllerFigures>,
@@ -68,9 +70,10 @@ pub fn run(session: &Session) -> Result<ComparedControllers, Fault> {
             ];
             let mut controllers = Vec::new();
             for (name, plan) in plans {
+                let goals = f64::from(plan.scene.file.goals.number());
                 let jobs = (0..section.reaches).map(|index| Job { plan: 0, reach_index: FIRST_INDEX + index });
                 let jobs: Vec<Job> = jobs.collect();
-                let counted = each_reach(&[plan], &jobs, 0, session.progress, |_, own| Ok(Counted::of(&own)))?;
+                let counted = each_reach(&[plan], &jobs, 0, session.progress, |_, own| Ok(Counted::of(goals, &own)))?;
                 controllers.push(ControllerFigures::of(name, &counted));
             }
             let scene = session.experiment.scene(&section.scene)?.name.clone();
@@ -80,10 +83,11 @@ pub fn run(session: &Session) -> Result<ComparedControllers, Fault> {
 }
 
 impl Counted {
-    fn of(recording: &Recording) -> Self {
+    /// A reach with so many goals. Those that were not tried because of a safety stop count as not reached.
+    fn of(goals: f64, recording: &Recording) -> Self {
         let outcomes = |wanted| recording.goals.iter().filter(|goal| goal.outcome == wanted).count();
         Counted {
-            goals: recording.goals.len() as f64,
+            goals,
             reached: outcomes(Outcome::Reached) as f64,
             seconds: recording.goals.iter().map(|goal| goal.end_time_s - goal.start_time_s).sum(),
             trunk_peak_n: recording.contact_forces(Some(Category::TRUNK)).peak_n,

@@ -66,7 +66,7 @@ impl Suite {
     fn measure(&self, scene: &SuiteScene, recording: &Recording) -> Result<OneReach, OnlineError> {
         let judged = self.model.as_ref().map(|model| judged(model, recording)).transpose()?;
         let (stream, objects) = judged.unzip();
-        let goals = scene.plan.scene.file.goals.count;
+        let goals = scene.plan.scene.file.goals.number();
         let measured = Measured { recording, goals, stream: stream.as_ref(), objects: &objects.unwrap_or_default() };
         let values = scene.bounds.iter();
         Ok(OneReach {

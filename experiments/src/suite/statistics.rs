@@ -26,11 +26,12 @@ pub fn margin(values: &[f64], probability: f64) -> Option<f64> {
 }
 
 /// The margin with one more reach of the value `other`, for values that are counted, such as goals. A small number of
-/// reaches says little about rare events: after 24 goals that were all reached, the next one may well be missed.
+/// reaches says little about rare events: after 24 goals that were all reached, the next one may well be missed. It is never
+/// smaller than [`margin`].
 pub fn margin_with_one_more(values: &[f64], other: f64, probability: f64) -> Option<f64> {
     match values.len() {
         0 | 1 => None,
-        _ => margin(&[values, &[other]].concat(), probability),
+        _ => Some(margin(&[values, &[other]].concat(), probability)?.max(margin(values, probability)?)),
     }
 }
 
@@ -120,6 +121,8 @@ mod tests {
         assert_eq!(margin(&[2.0; 8], 0.01), Some(0.02));
         let expected = margin(&[1.0, 1.0, 1.0, 1.0, 0.0], 0.01);
         assert_eq!(margin_with_one_more(&[1.0; 4], 0.0, 0.01), expected);
+        let spread = [1.0, 1.0, 103.0, 1.0, 1.0];
+        assert_eq!(margin_with_one_more(&spread, 22.4, 0.01), margin(&spread, 0.01));
         assert_eq!(margin(&[1.0], 0.01), None);
         assert_eq!(margin_with_one_more(&[1.0], 0.0, 0.01), None);
         assert_eq!(margin_with_one_more(&[], 0.0, 0.01), None);

@@ -142,6 +142,9 @@ fn nothing_that_names_a_result_is_given_twice() {
     let setting = "[[settings]]\nname = \"same\"\nrobot = { stiffness_scale = 2.0 }\n";
     for (text, line, field, found) in [
         (SMALL.replace("[5]", "[3, 5, 3]"), 2, "states", "3 twice"),
+        (SMALL.replace("other.toml", "one.toml"), 5, "training.scene", "one.toml twice"),
+        (SMALL.replace("[5]", "[5]\ntruncations = [5, 5]"), 3, "truncations", "5 twice"),
+        (SMALL.replace("[5]", "[5]\nablation = [\"no_creep\", \"no_creep\"]"), 3, "ablation", "no_creep twice"),
         (SMALL.replace("[5]", "[5]\nrecipes = [\"modern\", \"modern\"]"), 3, "recipes", "modern twice"),
         (format!("{SMALL}{}", entry("classifiers").repeat(2)), 14, "classifiers.name", "same twice"),
         (format!("{SMALL}{}", entry("setting_classifiers").repeat(2)), 14, "setting_classifiers.name", "same twice"),

@@ -76,7 +76,7 @@ pub enum Intent {
     /// To go on to the goal. An end effector that makes no progress is stuck.
     #[default]
     Onward,
-    /// To turn round, back off or plan: the end effector need not make progress meanwhile.
+    /// To turn round, back off or plan, or to go on by its own rules of progress: the end effector need not make progress meanwhile.
     TurningRound,
     /// To give the goal up, for this reason, which is recorded.
     GivenUp(String),

@@ -92,7 +92,7 @@ impl PlannedController {
 
 impl ReachPlan {
     /// A plan with the scene's own arm, at the stiffness that the scene asks for, and, unless `controller` names
-    /// another, the scene's own controller. The rules are those that the controller was published with.
+    /// another, the scene's own controller. The rules are those that the controller was published with, and the scene's patience.
     ///
     /// # Errors
     /// When the arm's files are bad.
@@ -124,6 +124,7 @@ impl ReachPlan {
         let preset = preset.above(scene.floor_height_m());
         let mut rules = ReachRules::published_with(kind);
         rules.progress = scene.file.goals.progress.unwrap_or(rules.progress);
+        rules = scene.file.goals.patience_s.map_or(rules, |patience_s| rules.watched_for(patience_s));
         let controller = PlannedController::Shipped(kind, preset);
         Ok(ReachPlan { scene, arm, controller, has_true_verdicts: false, rules, seed })
     }

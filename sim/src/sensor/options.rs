@@ -82,7 +82,7 @@ options! {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SensorModel {
-    /// The sensed force is the true force. All other keys have no effect.
+    /// The sensed force is what the skin passes on to the taxel. All other keys have no effect.
     Ideal,
     /// The sensors of the paper's robot: every effect as its key says.
     #[default]

@@ -15,6 +15,8 @@ use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::Verdict;
 use underbrush_classifier::online_model::OnlineModel;
 use underbrush_classifier::{OnlineOptions, ScoreKind, Scores};
+use underbrush_experiments::model_data;
+use underbrush_recording::disk::is_there;
 
 use super::touch::TouchDecisionArguments;
 use super::{DecisionArguments, score};
@@ -98,6 +100,10 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
         let message =
             "--skin and --strict are for frames on standard input, `-`; leave them out: a file knows its skin";
         return Err(Failure::usage(message));
+    }
+    if !options.reads_stdin() && is_there(&options.input)? {
+        let rate_hz = model_data::of_path(&options.input)?.rate_hz;
+        model.provenance().warn_of_rate(options.input.display(), rate_hz);
     }
     let model = match model {
         AnyModel::Touch(mut model) => {

@@ -15,6 +15,9 @@ use super::latency::Latency;
 use super::{ClassifyOptions, of_contacts, of_frames};
 use crate::{Failure, input, output};
 
+/// The rate of a stream is that of its first frames, this many intervals.
+const FRAMES_FOR_RATE: usize = 50;
+
 /// Prints one line of JSON for each frame.
 pub(super) fn run(options: &ClassifyOptions, model: &OnlineModel) -> Result<(), Failure> {
     let mut online = Online { model, categories: model.categories(), latency: Latency::new() };
@@ -93,14 +96,24 @@ impl Online<'_> {
         let mut parser = LineParser::new(layout.clone(), self.model.needs_poses_of(layout));
         let mut lines = Lines::new(reader, parser.max_bytes());
         let mut bad_lines = 0_usize;
+        let (mut frames, mut start_s) = (0_usize, 0.0);
         loop {
             let line = lines.next_line();
             let line = line.map_err(|error| Failure::run(format!("cannot read standard input: {error}")))?;
             let arrived = Instant::now();
             let Some((number, text)) = line else { break };
             match text.and_then(|text| parser.parse(number, text)) {
-                Ok(Message::Frame(frame)) => self.answer(&mut judge, layout, &frame, arrived)?,
+                Ok(Message::Frame(frame)) => {
+                    self.answer(&mut judge, layout, &frame, arrived)?;
+                    start_s = if frames == 0 { frame.time_s } else { start_s };
+                    if frames == FRAMES_FOR_RATE {
+                        let rate_hz = FRAMES_FOR_RATE as f64 / (frame.time_s - start_s);
+                        self.model.provenance().warn_of_rate("standard input", Some(rate_hz));
+                    }
+                    frames += 1;
+                }
                 Ok(Message::Reset) => {
+                    frames = if frames > FRAMES_FOR_RATE { frames } else { 0 };
                     judge = self.model.begin(layout)?;
                     output::lines([json!({ "line": number, "reset": true }).to_string()])?;
                 }

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
-use underbrush_recording::disk::read_recording;
+use underbrush_recording::disk::{read_recording, write_recording};
 
 use super::{lines, model, read, recording};
+use crate::support::fixture::fixture;
 use crate::support::{call, underbrush};
 
 fn sum(probabilities: &Value) -> f64 {
@@ -114,6 +115,35 @@ fn frames_on_standard_input_are_answered_alike() {
     let twice = call(vec!["classify".into(), model().into(), "-".into()], &twice).success();
     let twice: Vec<&str> = twice.lines().collect();
     assert_eq!(twice[..50], twice[51..]);
+}
+
+/// Tests that frames at another rate than those of the training are warned of, in a recording and on standard input.
+#[test]
+fn another_rate_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = recording(folder.path());
+    let slow = folder.path().join("slow.parquet");
+    let mut frames_of = read_recording(&own).unwrap();
+    frames_of.rate_hz /= 2.0;
+    frames_of.frames.iter_mut().for_each(|frame| frame.time_s *= 2.0);
+    write_recording(&slow, &frames_of).unwrap();
+    let line = |frame: usize, period_s: f64| format!("{{\"time_s\":{},\"taxels\":[]}}\n", frame as f64 * period_s);
+    let naive = folder.path().join("naive.json");
+    underbrush!["train", fixture().dataset(), "--classifier", "naive-bayes", "--features", "force", "--out", naive]
+        .success();
+    for (path, period_s, warns) in [(&own, 0.01, false), (&slow, 0.02, true)] {
+        let stream: String = (0..60).map(|frame| line(frame, period_s)).collect();
+        for answer in [
+            underbrush!["classify", model(), path],
+            underbrush!["classify", naive, path],
+            underbrush!["evaluate", path, "--model", model()],
+            underbrush!["replay", path, "--model", model(), "--out", folder.path().join("page.html"), "--force"],
+            call(vec!["classify".into(), naive.clone().into(), "-".into()], &stream),
+        ] {
+            let found = answer.stderr.contains("frames at 50 Hz, but the model was fitted to frames at 100 Hz");
+            assert_eq!(found, warns, "{}", answer.stderr);
+        }
+    }
 }
 
 /// Tests that each option of the decision changes the verdicts as described.

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use underbrush_recording::{Category, Frame, Recording};
+use underbrush_recording::{Category, Frame, Recording, SkinLayout};
 
+use super::super::prediction::is_right;
 use super::{NOTHING, Stream, StreamContact, StreamFrame, StreamTruth, Tally};
 use crate::decision::Verdict;
 use crate::touch::{Touch, TouchClassifier, TouchModel};
@@ -12,6 +13,7 @@ use crate::{Classifier, OnlineClassifier, OnlineError, OnlineOptions, TrialError
 
 /// A verdict on a taxel in contact.
 struct Judged {
+    /// Its index in the skin.
     taxel: usize,
     /// Samples since its contact began, at least 1.
     samples: usize,
@@ -41,30 +43,34 @@ pub fn classify_stream(
     let mut online = OnlineClassifier::new(classifier, &recording.layout, options)?;
     let categories = classifier.categories();
     let stream = Stream::new(&categories, &[], recording, truth);
-    stream.judged_by(recording, options.patch.as_deref(), truth, |frame, judged| {
+    let patches: Vec<usize> = recording.layout.chosen_patch(options.patch.as_deref()).into_iter().collect();
+    let first = first_taxels(&recording.layout);
+    stream.judged_by(recording, &patches, truth, |frame, judged| {
         let verdicts = online.update(frame)?;
         let taxels = verdicts.filter_map(|taxel| {
-            Some(Judged { taxel: taxel.taxel, samples: taxel.samples, verdict: taxel.verdict.index(&categories)? })
+            let verdict = taxel.verdict.index(&categories)?;
+            Some(Judged { taxel: first[*patches.first()?] + taxel.taxel, samples: taxel.samples, verdict })
         });
         judged.extend(taxels);
         Ok(())
     })
 }
 
-/// Like [`classify_stream`], but by a touch model. Something unlike all known categories counts as an outlier.
+/// Like [`classify_stream`], but by a touch model, on all patches that it judges. Something unlike all known categories counts as
+/// an outlier.
 ///
 /// # Errors
-/// [`TrialError`] if the skin lacks the model's patch, the patch has no grid, or a frame does not fit.
+/// [`TrialError`] if the skin lacks the model's patch, or a frame does not fit.
 pub fn classify_touch_stream(model: &Arc<TouchModel>, recording: &Recording) -> Result<Stream, TrialError> {
     let mut classifier = TouchClassifier::new(Arc::clone(model), &recording.layout)?;
     let categories = model.categories();
     let stream = Stream::new(categories, &[NOTHING], recording, StreamTruth::Object);
-    stream.judged_by(recording, model.options().patch.as_deref(), StreamTruth::Object, |frame, judged| {
+    let patches = model.options().judged_patches(&recording.layout);
+    let first = first_taxels(&recording.layout);
+    stream.judged_by(recording, &patches, StreamTruth::Object, |frame, judged| {
         classifier.update(frame)?;
-        let patch = classifier.patches().first().map(|tracker| tracker.image.patch_index());
-        let own = classifier.taxels().iter().filter(|taxel| Some(taxel.patch) == patch);
-        judged.extend(own.map(|taxel| Judged {
-            taxel: taxel.taxel,
+        judged.extend(classifier.taxels().iter().map(|taxel| Judged {
+            taxel: first[taxel.patch] + taxel.taxel,
             samples: taxel.samples,
             verdict: match taxel.touch {
                 Touch::Category(index) => index,
@@ -77,7 +83,17 @@ pub fn classify_touch_stream(model: &Arc<TouchModel>, recording: &Recording) -> 
     })
 }
 
-/// Which objects truly press on the taxels of a patch in one frame.
+/// The index in the skin of the first taxel of each patch.
+fn first_taxels(layout: &SkinLayout) -> Vec<usize> {
+    let mut next = 0;
+    let first = layout.patches.iter().map(|patch| {
+        next += patch.taxels.len();
+        next - patch.taxels.len()
+    });
+    first.collect()
+}
+
+/// Which objects truly press on the taxels of some patches in one frame.
 struct Pressing {
     by_taxel: Vec<(usize, Category)>,
     /// Whether each of the categories presses.
@@ -85,11 +101,12 @@ struct Pressing {
 }
 
 impl Pressing {
-    fn of(frame: &Frame, patch: usize, recording: &Recording, truths: &[Category]) -> Self {
-        let readings = frame.taxels.iter().filter(|reading| usize::from(reading.patch) == patch);
+    /// `first` has the index in the skin of each patch's first taxel.
+    fn of(frame: &Frame, patches: &[usize], first: &[usize], recording: &Recording, truths: &[Category]) -> Self {
+        let readings = frame.taxels.iter().filter(|reading| patches.contains(&usize::from(reading.patch)));
         let pressed = readings.filter_map(|reading| {
             let object = recording.objects.get(usize::from(reading.object?))?;
-            Some((usize::from(reading.taxel), object.category))
+            Some((first[usize::from(reading.patch)] + usize::from(reading.taxel), object.category))
         });
         let by_taxel: Vec<(usize, Category)> = pressed.collect();
         let presses = |truth: &Category| by_taxel.iter().any(|(_, category)| category == truth);
@@ -130,18 +147,18 @@ impl Stream {
     fn judged_by<E>(
         mut self,
         recording: &Recording,
-        patch: Option<&str>,
+        patches: &[usize],
         truth: StreamTruth,
         mut judge: impl FnMut(&Frame, &mut Vec<Judged>) -> Result<(), E>,
     ) -> Result<Self, E> {
-        let patch = recording.layout.chosen_patch(patch).unwrap_or_default();
+        let first = first_taxels(&recording.layout);
         let (mut judged, mut last) = (Vec::new(), Vec::new());
         for frame in &recording.frames {
             judged.clear();
             let start = Instant::now();
             judge(frame, &mut judged)?;
             self.seconds.push(start.elapsed().as_secs_f64());
-            let pressing = Pressing::of(frame, patch, recording, &self.truths);
+            let pressing = Pressing::of(frame, patches, &first, recording, &self.truths);
             self.observe(frame.time_s, &judged, &pressing, truth, &mut last);
         }
         Ok(self)
@@ -184,7 +201,7 @@ impl Stream {
                 last.contact = None;
             }
             self.follow(&mut last.contact, truth, taxel);
-            frame.tally.count(truth, &self.verdicts[taxel.verdict], 1);
+            frame.tally.count(truth, &self.verdicts[taxel.verdict], self.categories(), 1);
             used += last.samples_used;
             since_contact += taxel.samples;
             let row = truth.and_then(|truth| self.truths.iter().position(|category| *category == truth));
@@ -206,10 +223,11 @@ impl Stream {
             *place = Some(self.contacts.len());
             self.contacts.push(StreamContact { truth, samples: 0, first_right: None });
         }
+        let verdict = &self.verdicts[taxel.verdict];
+        let is_right = truth.is_some_and(|truth| is_right(truth.name(), verdict, self.categories()));
         let Some(contact) = place.and_then(|place| self.contacts.get_mut(place)) else { return };
         contact.samples = taxel.samples;
-        let verdict = self.verdicts.get(taxel.verdict).map(String::as_str);
-        if contact.first_right.is_none() && truth.is_some_and(|truth| verdict == Some(truth.name())) {
+        if contact.first_right.is_none() && is_right {
             contact.first_right = Some(taxel.samples);
         }
     }

@@ -135,7 +135,7 @@ fn right_in_a_stream_is_right_as_a_trial() {
     for truth in Category::BUILT_IN {
         for verdict in &verdicts {
             let mut tally = Tally::default();
-            tally.count(Some(truth), verdict.name(), 1);
+            tally.count(Some(truth), verdict.name(), &categories, 1);
             let prediction = crate::evaluate::Prediction {
                 trial: 0,
                 reach: None,

@@ -93,13 +93,13 @@ fn counts_stand_at_the_border() {
     assert_eq!((chosen.outlier, chosen.uncertain), (4.0 / 22.0, 1.0 / 22.0));
 }
 
-/// Tests that with an outlier prior of zero the band contains only a margin equal to the threshold.
+/// Tests that with an outlier prior of zero nothing is called an outlier, not even a margin equal to the threshold.
 #[test]
 fn no_outliers_expected_leaves_no_band() {
     let targets = ThresholdTargets { outlier_prior: 0.0, ..TARGETS };
     let chosen = choose_thresholds(&drawn(500, 3), &BTreeMap::new(), targets).unwrap();
     let (uncertain_below, category_above) = band(&chosen);
-    assert_eq!(uncertain_below, category_above);
+    assert_eq!((uncertain_below, chosen.outlier), (category_above, 0.0));
     let wide = choose_thresholds(&drawn(500, 3), &BTreeMap::new(), TARGETS).unwrap();
     assert!(band(&wide).0 < band(&wide).1);
 }
@@ -140,8 +140,8 @@ impl Estimator for Sum {
 
 /// Tests the effect of whole-trial thresholds sample by sample, on trials of 10 samples that can be counted by hand.
 /// Trials that are judged rightly have a margin of 1 nat per sample. Three leaves are judged wrongly, by 0.5 nats per
-/// sample; a rate of 0.25 allows two mistakes, (k + 1) / 13 ≤ 0.25, so the threshold is 5. No whole trial is uncertain,
-/// but trials that are judged rightly are uncertain for their first 4 samples, and the others for their first 9.
+/// sample; a rate of 0.25 allows two mistakes, (k + 1) / 13 ≤ 0.25, so the threshold is 5, and the band of outliers is
+/// empty. These three are uncertain, and trials that are judged rightly are uncertain for their first 5 samples.
 #[test]
 fn thresholds_of_whole_trials_are_late_sample_by_sample() {
     let trial = |number: u64, category: &str, force_n: f64| Trial {
@@ -159,11 +159,11 @@ fn thresholds_of_whole_trials_are_late_sample_by_sample() {
     let held_out = HeldOut::of(&trials, &Sum, Folds::paper()).unwrap();
     let chosen = held_out.choose_thresholds(&BTreeMap::new(), targets).unwrap();
     assert_eq!(band(&chosen), (5.0, 5.0));
-    assert_eq!((chosen.trials, chosen.uncertain, chosen.outlier), (24, 0.0, 3.0 / 24.0));
+    assert_eq!((chosen.trials, chosen.uncertain, chosen.outlier), (24, 3.0 / 24.0, 0.0));
     let rates = chosen.sample_by_sample.unwrap();
     assert_eq!(rates.verdicts, 240);
-    assert_eq!(rates.uncertain, f64::from(21 * 4 + 3 * 9) / 240.0);
-    assert_eq!(rates.outlier, f64::from(21 + 3) / 240.0);
+    assert_eq!(rates.uncertain, f64::from(21 * 5 + 3 * 10) / 240.0);
+    assert_eq!(rates.outlier, 0.0);
     assert_eq!(rates.true_positive_rate["trunk"], 0.5);
     assert_eq!(rates.false_positive_rate["trunk"], 0.0);
 }

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use underbrush_recording::Category;
+use underbrush_recording::{Category, TaxelReading};
 
 use super::*;
 use crate::error::ModelError;
@@ -113,6 +113,30 @@ fn streams_count_what_evaluations_count() {
     assert_eq!(without_truth.iter().sum::<usize>(), 200);
     assert_eq!(without_truth[4], evaluation.tallies[0].right);
     assert!(without_truth[4] > 180, "{without_truth:?}");
+}
+
+/// Tests that a stream counts the verdicts on all patches that the model judges.
+#[test]
+fn streams_count_all_judged_patches() {
+    let model = Arc::new(examples().fit().unwrap());
+    let one = presses(0, 33.0, 0.035, 0.06);
+    let mut two = one.clone();
+    let further = underbrush_recording::Patch { name: "further".into(), ..one.layout.patches[0].clone() };
+    two.layout.patches.push(further);
+    for frame in &mut two.frames {
+        frame.patch_pose_world.push(frame.patch_pose_world[0]);
+        frame.taxels.extend(frame.taxels.clone().into_iter().map(|reading| TaxelReading { patch: 1, ..reading }));
+    }
+    let count = |reach: &Recording| {
+        let stream = classify_touch_stream(&model, reach).unwrap();
+        let leaf = stream.tally_of(Category::LEAF);
+        let right = TouchEvaluation::of(&model, reach).unwrap().tallies[1].right;
+        assert_eq!(leaf.correct, right);
+        (leaf.judged(), stream.total().unknown, stream.contacts.len())
+    };
+    let (own, both) = (count(&one), count(&two));
+    assert!(own.0 > 100);
+    assert_eq!(both, (2 * own.0, 2 * own.1, 2 * own.2));
 }
 
 /// Tests that nothing is allocated for a frame once as many contacts were seen before.

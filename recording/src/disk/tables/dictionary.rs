@@ -148,7 +148,7 @@ row! {
         kind: Text, "", "kind of the object in the scene file";
         category: Text, "", "`leaf`, `trunk`, `block`, `outlier`, or the name of a category that the set adds";
         position_world: DVec3 = "position_world_{xyz}_m", "m", "foot of the object, world frame";
-        parameters: Text, "", "parameters drawn for the object, as a JSON object with SI units in the names";
+        parameters: Text, "", "parameters drawn for the object, or that follow from them, as a JSON object with SI units in the names";
     }
 }
 
@@ -174,7 +174,8 @@ row! {
 }
 
 /// Goals.
-pub(crate) const TRUTH_GOALS: Table = table::<TruthGoal>("truth_goals", "truth/goals", "a goal of a reach");
+pub(crate) const TRUTH_GOALS: Table =
+    table::<TruthGoal>("truth_goals", "truth/goals", "a goal of a reach that was tried");
 
 row! {
     /// A row of [`TRUTH_CONTACTS`].

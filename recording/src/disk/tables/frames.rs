@@ -175,10 +175,10 @@ pub(crate) static FRAME_COLUMNS: &[FrameColumn] = frame_columns! {
     "observation.velocity": Width::Joints, f64, "rad/s", "joint velocities";
         give_rows give |rows, place, to| to.copy_from_slice(&rows.frame(place).joint_velocity_rad_per_s);
         take |recording, place, from| set(&mut recording.frames[place.frame].joint_velocity_rad_per_s, from.to_vec());
-    "observation.torque": Width::Joints, f64, "N m", "joint torques of springs and dampers, without gravity";
+    "observation.torque": Width::Joints, f64, "N m", "joint torques of springs and dampers, without gravity, under the `action` of the frame before";
         give_rows give |rows, place, to| to.copy_from_slice(&rows.frame(place).joint_torque_nm);
         take |recording, place, from| set(&mut recording.frames[place.frame].joint_torque_nm, from.to_vec());
-    "action": Width::Joints, f64, "rad", "equilibrium angles of the joint springs";
+    "action": Width::Joints, f64, "rad", "equilibrium angles of the joint springs, which the controller gives in this frame";
         give_rows give |rows, place, to| to.copy_from_slice(&rows.frame(place).equilibrium_angle_rad);
         take |recording, place, from| set(&mut recording.frames[place.frame].equilibrium_angle_rad, from.to_vec());
     "observation.tip_pose": POSE, f64, "m, 1", "pose of the end effector in the world frame: x y z, quaternion x y z w";

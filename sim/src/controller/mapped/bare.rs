@@ -67,7 +67,9 @@ impl BareSurface {
     ) -> Option<(f64, Touch, DVector<f64>)> {
         let vector = |vector: DVec3| Vector3::from(vector.to_array());
         let joints = arm.joints.iter().enumerate().map(|(index, joint)| {
-            joint.stiffness_nm_per_rad * (input.equilibrium_angle_rad[index] - input.joint_angle_rad[index])
+            let spring_nm =
+                joint.stiffness_nm_per_rad * (input.equilibrium_angle_rad[index] - input.joint_angle_rad[index]);
+            spring_nm.clamp(-joint.torque_limit_nm, joint.torque_limit_nm)
                 - joint.damping_nm_s_per_rad * input.joint_velocity_rad_per_s[index]
         });
         let mut torque = DVector::from_iterator(arm.joints.len(), joints);

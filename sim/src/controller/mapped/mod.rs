@@ -273,7 +273,13 @@ impl Controller for Mapped {
         if self.pursuit.as_ref().is_none_or(|own| own.goal != input.goal_position_world) {
             self.begin(input);
         }
-        let (equilibrium_angle_rad, intent) = self.go_on(input, &poses);
+        let (mut equilibrium_angle_rad, intent) = self.go_on(input, &poses);
+        for ((angle, before), joint) in
+            equilibrium_angle_rad.iter_mut().zip(input.equilibrium_angle_rad).zip(&self.arm.joints)
+        {
+            let largest = joint.slew_limit_rad_per_s / self.preset.rate_hz;
+            *angle = angle.clamp(before - largest, before + largest);
+        }
         self.velocity_rad_per_s = input.joint_velocity_rad_per_s.to_vec();
         ControllerOutput { equilibrium_angle_rad, status: ControlStatus::Solved, intent }
     }

@@ -230,6 +230,19 @@ fn obstacles_are_higher_than_touches() {
     assert!((own.top_m - 0.78).abs() < 1e-12, "{}", own.top_m);
 }
 
+/// Tests that no equilibrium angle changes faster than its joint may turn, on the way, while the arm plans and when it gives a goal up.
+#[test]
+fn no_angle_changes_faster_than_its_joint_may_turn() {
+    let mut plan = plan(5);
+    plan.arm.joints.iter_mut().for_each(|joint| joint.slew_limit_rad_per_s = 0.15);
+    let frames = plan.run(0, &mut |_| {}).unwrap().frames;
+    let changes = frames
+        .windows(2)
+        .map(|pair| largest_change_rad(&pair[1].equilibrium_angle_rad, &pair[0].equilibrium_angle_rad));
+    let largest = changes.fold(0.0, f64::max);
+    assert!((largest - 0.15 * 0.04).abs() < 1e-9, "{largest}");
+}
+
 /// Tests that at the end of its way an arm that something holds is pushed on by an offset that grows by the missing angle
 /// times half the rate at which the joints' damping slows their slowest motion.
 #[test]
