@@ -64,6 +64,7 @@ fn a_model_of_trials_says_where_it_comes_from() {
         "blake3": set["data_blake3"],
         "seed": 1,
         "reaches": {"leaf": 3, "trunk": 3},
+        "rate_hz": 100.0,
     }]);
     assert_eq!(provenance["data"], expected);
     let shown = underbrush!["inspect", path, "--json"].json();
