@@ -49,6 +49,16 @@ def test_every_number_of_a_reach_comes_back(data: ub.Dataset, tmp_path: Path) ->
             assert (own.attrs["controller"], own.attrs["outcome"]) == (reach.controller, reach.outcome)
 
 
+def test_a_reward_is_in_the_last_frame_of_its_goal(tmp_path: Path) -> None:
+    """Tests that the hand is within 1 cm of the goal of the frame in each frame with a reward, and in no frame before it."""
+    underbrush.hdf5.export(ub.reach(ub.Scene("leaf").changed({"goals": {"count": 2}}), 1), tmp_path / "one.hdf5")
+    with h5py.File(tmp_path / "one.hdf5") as file:
+        own = file["data/demo_0"]
+        distance_m = np.linalg.norm(own["obs/eef_pos"][()] - own["obs/goal_pos"][()], axis=1)
+        rewarded = np.flatnonzero(own["rewards"])
+    assert len(rewarded) == 2 and rewarded.tolist() == np.flatnonzero(distance_m < 0.01).tolist()
+
+
 @pytest.mark.parametrize("count", [1, 2, 9, 12])
 def test_demonstrations_are_split(data: ub.Dataset, tmp_path: Path, count: int) -> None:
     """Tests that every tenth demonstration is in valid, of two to nine the last, and all in the mask of their scene."""

@@ -45,9 +45,8 @@ def _tables(reach: _core.Reach) -> dict[str, Any]:
     rewards, dones = np.zeros(len(reach)), np.zeros(len(reach))
     for goal in reach.goals:
         if goal["outcome"] == "reached" and len(reach) > 0:
-            # The last goal may end after the time of the last frame.
-            after = int(np.searchsorted(reach.time_s, goal["end_time_s"]))
-            rewards[min(after, len(reach) - 1)] = 1
+            # The frame at its end has the next goal already.
+            rewards[np.searchsorted(reach.time_s, goal["end_time_s"]) - 1] = 1
     dones[-1:] = 1
     tables = {
         "actions": column("action"),
