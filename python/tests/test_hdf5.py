@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import csv
+import errno
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -99,6 +103,17 @@ def test_a_file_appears_only_when_it_is_complete(data: ub.Dataset, tmp_path: Pat
     underbrush.hdf5.export(data, path, force=True)
     assert path.read_bytes() == once
     assert [file.name for file in tmp_path.iterdir()] == [path.name]
+
+
+def test_a_full_disk_is_an_error(data: ub.Dataset, tmp_path: Path) -> None:
+    """Tests that an export that cannot write its whole file says so and leaves nothing. A limit for files stands for the disk."""
+    pytest.importorskip("resource")
+    limited = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))"
+    run = "import sys, underbrush.hdf5; sys.exit(underbrush.hdf5.main(sys.argv[1:]))"
+    command = [sys.executable, "-P", "-c", f"{limited}; {run}", "export", str(data.path), "--out", str(tmp_path / "set.hdf5")]
+    found = subprocess.run(command, capture_output=True, text=True)
+    assert (found.returncode, found.stderr) == (1, f"error: {OSError(errno.EFBIG, os.strerror(errno.EFBIG))}\n")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_forces_become_csv(data: ub.Dataset, tmp_path: Path) -> None:

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import argparse
 import csv
+import io
 import json
 import os
 import re
 import sys
 from collections.abc import Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -91,32 +93,74 @@ def export(
     scenes: list[str] = []
     frames = 0
     with _export.whole(Path(path), force) as temporary:
-        with h5py.File(temporary, "w") as file:
-            data = file.create_group("data")
-            for number, reach in enumerate(_export.each(reaches)):
-                demonstration = data.create_group(f"demo_{number}")
-                seed, index = reach.seed_and_index
-                demonstration.attrs["num_samples"] = len(reach)
-                demonstration.attrs["scene"] = reach.scene
-                demonstration.attrs["seed"] = np.uint64(seed)
-                demonstration.attrs["reach_index"] = np.uint64(index)
-                demonstration.attrs["controller"] = reach.controller
-                demonstration.attrs["outcome"] = reach.outcome
-                for name, table in _tables(reach).items():
-                    # An empty table, such as that of a patch without taxels, has no chunks.
-                    chunked: dict[str, Any] = {}
-                    if table.size > 0:
-                        chunks = (min(_FRAMES_PER_CHUNK, len(table)), *table.shape[1:])
-                        chunked = {"chunks": chunks, "shuffle": True, "compression": "gzip"}
-                    demonstration.create_dataset(name, data=np.asarray(table, dtype="f8"), **chunked)
-                scenes.append(reach.scene)
-                frames += len(reach)
-            data.attrs["total"] = frames
-            # robomimic requires a description of the environment, although it cannot make this one. 2 is its code for Gym.
-            data.attrs["env_args"] = json.dumps({"env_name": "underbrush", "type": 2, "env_kwargs": {}})
-            for mask, numbers in _masks(scenes).items():
-                names = [f"demo_{number}".encode() for number in numbers]
-                file.create_dataset(f"mask/{mask}", data=np.array(names))
+        disk = _Disk(temporary, "r+")
+        # Ctrl-C is raised in the main thread only, so it does not make HDF5 fail in this one.
+        with io.BufferedRandom(disk) as buffer, ThreadPoolExecutor(1) as writer:
+            file = h5py.File(buffer, "w")
+            try:
+                for number, reach in enumerate(_export.each(reaches)):
+                    writer.submit(_add, file, number, reach).result()
+                    disk.check()
+                    scenes.append(reach.scene)
+                    frames += len(reach)
+                writer.submit(_describe, file, scenes, frames).result()
+            finally:
+                writer.submit(file.close).result()
+        disk.check()
+
+
+class _Disk(io.FileIO):
+    """A file that keeps its first error for ``check``: the whole process crashes if HDF5 cannot write, as on a full disk."""
+
+    error: OSError | None = None
+
+    def write(self, content: Any) -> int:
+        try:
+            return super().write(content)
+        except OSError as error:
+            self.error = self.error or error
+            return len(content)
+
+    def truncate(self, size: int | None = None) -> int:
+        try:
+            return super().truncate(size)
+        except OSError as error:
+            self.error = self.error or error
+            return size or 0
+
+    def check(self) -> None:
+        if self.error:
+            raise self.error
+
+
+def _add(file: Any, number: int, reach: _core.Reach) -> None:
+    """Adds a demonstration."""
+    demonstration = file.create_group(f"data/demo_{number}")
+    seed, index = reach.seed_and_index
+    demonstration.attrs["num_samples"] = len(reach)
+    demonstration.attrs["scene"] = reach.scene
+    demonstration.attrs["seed"] = np.uint64(seed)
+    demonstration.attrs["reach_index"] = np.uint64(index)
+    demonstration.attrs["controller"] = reach.controller
+    demonstration.attrs["outcome"] = reach.outcome
+    for name, table in _tables(reach).items():
+        # An empty table, such as that of a patch without taxels, has no chunks.
+        chunked: dict[str, Any] = {}
+        if table.size > 0:
+            chunks = (min(_FRAMES_PER_CHUNK, len(table)), *table.shape[1:])
+            chunked = {"chunks": chunks, "shuffle": True, "compression": "gzip"}
+        demonstration.create_dataset(name, data=np.asarray(table, dtype="f8"), **chunked)
+
+
+def _describe(file: Any, scenes: list[str], frames: int) -> None:
+    """Adds what is about all demonstrations."""
+    data = file.require_group("data")
+    data.attrs["total"] = frames
+    # robomimic requires a description of the environment, although it cannot make this one. 2 is its code for Gym.
+    data.attrs["env_args"] = json.dumps({"env_name": "underbrush", "type": 2, "env_kwargs": {}})
+    for mask, numbers in _masks(scenes).items():
+        names = [f"demo_{number}".encode() for number in numbers]
+        file.create_dataset(f"mask/{mask}", data=np.array(names))
 
 
 def _masks(scenes: list[str]) -> dict[str, list[int]]:
