@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import underbrush as ub
+import underbrush.mcap
 import underbrush.ros2
 
 from conftest import QUICK, ROOT, quick
@@ -137,3 +138,16 @@ def test_a_recording_of_the_arm_that_ships_has_its_urdf(reach: ub.Reach, tmp_pat
     other = ub.reach(ub.Scene(scene).changed(QUICK, name="other"))
     underbrush.ros2.export(other, tmp_path / "other")
     assert not (tmp_path / "other" / "robot.urdf").exists()
+
+
+def test_a_bag_becomes_csv(bag: Path, reach: ub.Reach, tmp_path: Path) -> None:
+    """Tests that the folder of a bag gives the forces in its file, and that a folder with two files is refused."""
+    out, two = tmp_path / "log.csv", tmp_path / "two"
+    assert underbrush.mcap.main(["csv", str(bag), "--topic", "/skin/forearm", "--out", str(out)]) == 0
+    forces_n = np.loadtxt(out, delimiter=",", skiprows=1)[:, 1:]
+    assert np.array_equal(forces_n, reach.sensed_force_n("forearm", dtype="float32"))
+    two.mkdir()
+    for name in ("a.mcap", "b.mcap"):
+        (two / name).touch()
+    with pytest.raises(ub.InputError, match="found 2 files .mcap; allowed: one"):
+        underbrush.mcap.csv_of(two, out, "/skin/forearm", force=True)

@@ -434,7 +434,7 @@ def csv_of(
     Parameters
     ----------
     path, out : path
-        The MCAP file, such as that of a bag of ROS 2, and the CSV file to write.
+        The MCAP file, or the folder of a bag of ROS 2 with one, and the CSV file to write.
     topic : str
         The topic of the forces. Its messages are JSON, or any type of ROS 2 in CDR.
     field : str
@@ -460,6 +460,7 @@ def csv_of(
     columns = {"force": (topic, field)} | dict(channels or {})
     if "force" in (channels or {}) or "time" in columns:
         raise _fault(path, "channels", "a channel named force or time", "another name")
+    path = _log(Path(path))
     sizes = _sizes(path, columns)
     latest: dict[str, list[float] | list[str]] = {name: [""] * size for name, size in sizes.items()}
     with open(path, "rb") as file, _export.whole(Path(out), force, path) as temporary:
@@ -482,6 +483,18 @@ def csv_of(
                     writer.writerow([(nanoseconds - start) / 10**9, *(cell for cells in latest.values() for cell in cells)])
                     rows += 1
     return rows
+
+
+def _log(path: Path) -> Path:
+    """The file of a bag of ROS 2, which is a folder. A file is its own."""
+    if not path.is_dir():
+        return path
+    files = list(path.glob("*.mcap"))
+    if len(files) != 1:
+        remedy = "give one file, not the folder"
+        message = f"{path}: found {len(files)} files .mcap; allowed: one, as in a bag of ROS 2; {remedy}"
+        raise InputError(message, file=str(path), remedy=remedy)
+    return files[0]
 
 
 def _sizes(path: str | PathLike[str], columns: Mapping[str, tuple[str, str]]) -> dict[str, int]:
@@ -566,7 +579,7 @@ def main(arguments: list[str] | None = None) -> int:
     out = "file to write; for several reaches the folder, with one file reach-000000.mcap, ... for each"
     _export.export_parser(commands, "write reaches for Foxglove", out)
     log = commands.add_parser("csv", help="write the forces of a log as CSV, for `underbrush import`")
-    log.add_argument("log", type=Path, help="MCAP file")
+    log.add_argument("log", type=Path, help="MCAP file, or folder of a bag of ROS 2")
     log.add_argument("--topic", required=True, help="topic of the forces")
     log.add_argument("--field", default="data", help="where a message has them, such as wrench.force.z [default: data]")
     channel = "a further column, such as torque_z=/wrench:wrench.torque.z; may be given more than once"
