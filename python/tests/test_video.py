@@ -110,6 +110,14 @@ def test_a_film_shows_the_frames(data: ub.Dataset, tmp_path: Path) -> None:
     assert _webp(tmp_path / "film.webp") == [40] * count
 
 
+def test_an_animated_webp_plays_without_end(data: ub.Dataset, tmp_path: Path) -> None:
+    """Tests that the loop count in the chunk ANIM is 0, which means no end (developers.google.com/speed/webp)."""
+    underbrush.video.film(data[0], tmp_path / "film.webp", fps=1, size=(64, 64))
+    content = (tmp_path / "film.webp").read_bytes()
+    place = content.index(b"ANIM")
+    assert content[place + 12 : place + 14] == bytes(2)
+
+
 def test_what_cannot_be_filmed_is_refused(data: ub.Dataset, tmp_path: Path) -> None:
     """Tests the errors for another ending, odd sizes, and a rate that does not divide that of the data set; nothing is left."""
     with pytest.raises(ub.InputError, match=r"film\.avi"):

@@ -34,8 +34,9 @@ _QUANTILES = {"q01": 1, "q10": 10, "q50": 50, "q90": 90, "q99": 99}
 # Where the camera of a data set is if its scenes have none, m: it sees the clutter of the shipped scenes.
 _EYE, _TARGET, _FIELD_DEG = (0.9, -1.5, 0.7), (0.55, -0.05, -0.15), 40.0
 _KINDS = {
-    ".mp4": ("mp4", "libx264", "yuv420p", {"crf": "20"}),
-    ".webp": ("webp", "libwebp_anim", "yuva420p", {"quality": "85", "loop": "0"}),
+    ".mp4": ("mp4", {}, "libx264", "yuv420p", {"crf": "20"}),
+    # 0 repeats it without end.
+    ".webp": ("webp", {"loop": "0"}, "libwebp_anim", "yuva420p", {"quality": "85"}),
 }
 
 
@@ -62,8 +63,8 @@ def _pictures(
 def _encode(path: Path, kind: str, pictures: Iterable[NDArray[np.uint8]], fps: int, size: tuple[int, int], **options: str) -> None:
     """Writes pictures as a film."""
     av = _av()
-    container, codec, pixels, standard = _KINDS[kind]
-    with av.open(str(path), "w", format=container) as file:
+    container, repeated, codec, pixels, standard = _KINDS[kind]
+    with av.open(str(path), "w", format=container, options=repeated) as file:
         stream = file.add_stream(codec, rate=fps, options=standard | options)
         stream.width, stream.height = size
         stream.pix_fmt = pixels
