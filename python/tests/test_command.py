@@ -109,3 +109,19 @@ def test_it_ends_at_ctrl_c() -> None:
     time.sleep(1.0)
     program.send_signal(signal.SIGINT)
     assert program.wait(timeout=20) == -signal.SIGINT
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of a shell")
+@pytest.mark.parametrize("words", ["mcap export", "hdf5 export", "ros2 export", "video film", "video lerobot"])
+def test_an_export_ends_at_ctrl_c(data: underbrush.Dataset, tmp_path: Path, words: str) -> None:
+    """SIGINT while an export writes ends it as a program of the shell, without a traceback and without unfinished files."""
+    module, command = words.split()
+    inputs = [str(data.path)] * (20 if command == "export" else 1)
+    arguments = [f"underbrush.{module}", command, *inputs, "--out", str(tmp_path / "out.mp4")]
+    program = subprocess.Popen([sys.executable, "-P", "-m", *arguments], stderr=subprocess.PIPE, text=True)
+    while not list(tmp_path.rglob(".*")):
+        assert program.poll() is None
+        time.sleep(0.01)
+    program.send_signal(signal.SIGINT)
+    assert (program.communicate(timeout=20)[1], program.returncode) == ("", -signal.SIGINT)
+    assert list(tmp_path.rglob(".*")) == []

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
@@ -61,9 +62,13 @@ def export_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser],
 
 
 def status(run: Callable[[], object]) -> int:
-    """Runs a command. Returns its exit status: 1 if a file cannot be read or written, 2 for bad input."""
+    """Runs a command. Returns its exit status: 1 if a file cannot be read or written, 2 for bad input. Ctrl-C ends the process."""
     try:
         run()
+    except KeyboardInterrupt:
+        # As the command line does. A script that runs this command then stops, too.
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        signal.raise_signal(signal.SIGINT)
     except (InputError, ImportError, OSError) as error:
         # A command names its options, not arguments of Python.
         print(f"error: {error.args[0] if isinstance(error, InputError) else error}", file=sys.stderr)

@@ -301,8 +301,8 @@ def lerobot(
         raise _fault("out", f"{out}, which exists already", "a new folder", "choose another name")
     every = int(info["fps"]) // fps
     folder = out.with_name(f".{out.name}.{os.getpid()}")
-    (folder / "meta" / "episodes" / "chunk-000").mkdir(parents=True)
     try:
+        (folder / "meta" / "episodes" / "chunk-000").mkdir(parents=True)
         films = [_Films(folder, name, fps, of_scene) for name, of_scene in chosen.items()]
         depths = [_Depth(f"{name}_depth", of_scene) for name, of_scene in chosen.items() if depth]
         drawn: list[_Films | _Depth] = [*films, *depths]
