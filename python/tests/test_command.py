@@ -80,6 +80,21 @@ def test_the_rest_is_left_to_the_command_line(tmp_path: Path) -> None:
     assert found.returncode == 2 and "underbrush.ros2" in json.loads(found.stdout)["error"]["message"]
 
 
+@pytest.mark.parametrize("reaches", [[], ["--reaches", "0,1"], ["--reaches", "8"]])
+def test_a_film_is_of_one_reach(data: underbrush.Dataset, tmp_path: Path, reaches: list[str]) -> None:
+    """Tests that films as MP4 are refused as those as GIF, which the command line writes, unless one of the reaches is chosen."""
+    gif, mp4 = (run("replay", str(data.path), "--video", str(tmp_path / f"film.{kind}"), *reaches) for kind in ("gif", "mp4"))
+    assert gif.returncode == mp4.returncode == 2
+    assert mp4.stderr == gif.stderr and list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("option", "value"), [("--reaches", "-1"), ("--reaches", "x"), ("--size", "160")])
+def test_values_of_films_that_are_wrong_are_named(data: underbrush.Dataset, tmp_path: Path, option: str, value: str) -> None:
+    """Tests that a wrong reach or size is an error with the option and the value that were given."""
+    found = run("replay", str(data.path), "--video", str(tmp_path / "film.mp4"), option, value)
+    assert found.returncode == 2 and option in found.stderr and repr(value) in found.stderr
+
+
 def test_a_missing_extra_is_named(
     data: underbrush.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -88,7 +103,7 @@ def test_a_missing_extra_is_named(
         "rosbags": ["export", str(data.path), "--to", "ros2", "--out", str(tmp_path / "bag")],
         "mcap": ["export", str(data.path), "--to", "mcap", "--out", str(tmp_path / "log")],
         "h5py": ["export", str(data.path), "--to", "hdf5", "--out", str(tmp_path / "set.hdf5")],
-        "av": ["replay", str(data.path), "--video", str(tmp_path / "film.mp4")],
+        "av": ["replay", str(data.path), "--video", str(tmp_path / "film.mp4"), "--reaches", "0"],
     }
     extras = {"rosbags": "ros2", "mcap": "mcap", "h5py": "hdf5", "av": "video"}
     for package, arguments in calls.items():
@@ -112,12 +127,12 @@ def test_it_ends_at_ctrl_c() -> None:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of a shell")
-@pytest.mark.parametrize("words", ["mcap export", "hdf5 export", "ros2 export", "video film", "video lerobot"])
+@pytest.mark.parametrize("words", ["mcap export", "hdf5 export", "ros2 export", "video film --reaches 0", "video lerobot"])
 def test_an_export_ends_at_ctrl_c(data: underbrush.Dataset, tmp_path: Path, words: str) -> None:
     """SIGINT while an export writes ends it as a program of the shell, without a traceback and without unfinished files."""
-    module, command = words.split()
+    module, command, *options = words.split()
     inputs = [str(data.path)] * (20 if command == "export" else 1)
-    arguments = [f"underbrush.{module}", command, *inputs, "--out", str(tmp_path / "out.mp4")]
+    arguments = [f"underbrush.{module}", command, *inputs, "--out", str(tmp_path / "out.mp4"), *options]
     program = subprocess.Popen([sys.executable, "-P", "-m", *arguments], stderr=subprocess.PIPE, text=True)
     while not list(tmp_path.rglob(".*")):
         assert program.poll() is None

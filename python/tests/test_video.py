@@ -218,5 +218,5 @@ def test_the_cameras_of_a_scene_take_the_pictures(tmp_path: Path) -> None:
         underbrush.video.lerobot(other.path, tmp_path / "refused")
     with pytest.raises(ub.InputError, match="found the link \"thumb\""):
         reach.render([0], camera=ub.Camera((1, 0, 0), (0, 0, 0), link="thumb"))
-    film = ["film", str(data.path), "--out", str(tmp_path / "film.mp4"), "--size", "96", "64", "--camera"]
+    film = ["film", str(data.path), "--out", str(tmp_path / "film.mp4"), "--size", "96x64", "--camera"]
     assert [underbrush.video.main([*film, name]) for name in ("back", "front")] == [2, 0]

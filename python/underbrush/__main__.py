@@ -15,8 +15,8 @@ from underbrush._core import run_command_line
 # one sends `underbrush classify - --foxglove PORT` to Foxglove.
 _EXPORTS = ("hdf5", "mcap", "ros2")
 _FILMS = (".mp4", ".webp")
-# For each command, the options that decide, or whose values the modules take in another form.
-_OPTIONS = {"export": ["--to"], "classify": ["--foxglove"], "replay": ["--video", "--reaches", "--size"]}
+# For each command, the option that decides.
+_OPTIONS = {"export": ["--to"], "classify": ["--foxglove"], "replay": ["--video"]}
 
 
 def _of_python(arguments: list[str]) -> tuple[str, list[str]] | None:
@@ -40,9 +40,7 @@ def _of_python(arguments: list[str]) -> tuple[str, list[str]] | None:
         return ("live", arguments[1:]) if given.foxglove else None
     if Path(given.video or "").suffix.lower() not in _FILMS:
         return None
-    index = ["--index", given.reaches] if given.reaches else []
-    size = ["--size", *given.size.split("x")] if given.size else []
-    return "video", ["film", *others, "--out", given.video, *index, *size]
+    return "video", ["film", "--out", given.video, *others]
 
 
 def main() -> int:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import shutil
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -355,6 +356,19 @@ def lerobot(
     return len(numbers)
 
 
+def _reaches(text: str) -> list[int]:
+    if not re.fullmatch(r"\d+(,\d+)*", text):
+        raise argparse.ArgumentTypeError(f"found {text!r}; give the number of a reach, from 0")
+    return [int(number) for number in text.split(",")]
+
+
+def _size(text: str) -> tuple[int, int]:
+    size = re.fullmatch(r"(\d+)x(\d+)", text)
+    if not size:
+        raise argparse.ArgumentTypeError(f"found {text!r}; give width and height in pixels, such as 640x360")
+    return int(size[1]), int(size[2])
+
+
 def main(arguments: list[str] | None = None) -> int:
     """The command line: ``python -m underbrush.video --help``."""
     formatter = argparse.ArgumentDefaultsHelpFormatter
@@ -362,11 +376,11 @@ def main(arguments: list[str] | None = None) -> int:
     commands = parser.add_subparsers(dest="command", required=True)
     films = commands.add_parser("film", help="write a film of a reach", formatter_class=formatter)
     films.add_argument("data", type=Path, help="recording (.parquet) or data set (folder)")
-    films.add_argument("--index", type=int, default=0, help="reach of the data set")
+    films.add_argument("--reaches", type=_reaches, default=argparse.SUPPRESS, metavar="N", help="reach of the data set, from 0")
     films.add_argument("--out", required=True, type=Path, help=".mp4 or .webp")
     films.add_argument("--fps", type=int, default=25, help="pictures per second")
     films.add_argument("--speed", type=float, default=1.0, help="how many times as fast as in reality it plays")
-    films.add_argument("--size", type=int, nargs=2, default=(640, 360), metavar=("W", "H"), help="pixels")
+    films.add_argument("--size", type=_size, default="640x360", metavar="WxH", help="pixels")
     films.add_argument("--camera", default=argparse.SUPPRESS, metavar="NAME", help="camera of the scene file; for a data set")
     films.add_argument("--force", action="store_true", help="overwrite a file that exists")
     sets = commands.add_parser("lerobot", help="write a data set with camera pictures", formatter_class=formatter)
@@ -378,15 +392,21 @@ def main(arguments: list[str] | None = None) -> int:
     sets.add_argument("--eye", **place, default=argparse.SUPPRESS, help="place of a camera instead of those of the scene files, m, world frame")
     sets.add_argument("--target", **place, default=_TARGET, help="with --eye: the middle of its pictures, m, world frame")
     sets.add_argument("--fov", type=float, default=_FIELD_DEG, metavar="DEG", help="with --eye: angle between upper and lower edge")
-    sets.add_argument("--size", type=int, nargs=2, default=(320, 240), metavar=("W", "H"), help="with --eye: pixels")
+    sets.add_argument("--size", type=_size, default="320x240", metavar="WxH", help="with --eye: pixels")
     sets.add_argument("--name", default="front", help="with --eye: name of the camera")
     options = parser.parse_args(arguments)
 
     def run() -> None:
-        size = (options.size[0], options.size[1])
+        size: tuple[int, int] = options.size
         if options.command == "film":
             dataset = _core.Dataset(options.data) if options.data.is_dir() else None
-            reach = dataset[options.index] if dataset else _core.Reach.load(options.data)
+            count = 1 if dataset is None else len(dataset)
+            numbers = options.reaches if "reaches" in options else range(count)
+            if len(numbers) != 1:
+                raise InputError(f"a picture shows one reach; choose one of {count} with --reaches N, from 0")
+            if numbers[0] >= count:
+                raise InputError(f"there is no reach {numbers[0]}; give a number below {count}")
+            reach = _core.Reach.load(options.data) if dataset is None else dataset[numbers[0]]
             camera = None
             if "camera" in options:
                 cameras = _cameras(dataset, None) if dataset else {}
