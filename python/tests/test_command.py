@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -72,12 +73,43 @@ def test_it_writes_what_only_the_package_can(data: underbrush.Dataset, tmp_path:
 
 
 def test_the_rest_is_left_to_the_command_line(tmp_path: Path) -> None:
-    """Tests the errors of the command line for other formats, options without a value, and JSON."""
+    """Tests the errors of the command line for other formats, options without a value, and numbers of threads."""
     assert "possible values" in run("export", "reach.parquet", "--to", "csv", "--out", "file").stderr
     assert "a value is required" in run("export", "reach.parquet", "--to").stderr
     assert ".gif" in run("replay", str(tmp_path), "--video", "film.avi").stderr
-    found = run("export", "reach.parquet", "--to", "ros2", "--out", "bag", "--json")
-    assert found.returncode == 2 and "underbrush.ros2" in json.loads(found.stdout)["error"]["message"]
+    assert "1 to 1024" in run("export", "reach.parquet", "--to", "ros2", "--out", "bag", "--jobs", "0").stderr
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "--jobs 1 export REACH --to mcap --out OUT --json",
+        "--json export REACH --to hdf5 --out OUT --jobs 1",
+        "export REACH --to=ros2 --json --out OUT",
+        "replay REACH --video OUT.webp --json --fps 1 --size 64x64",
+        "--json replay --jobs=1 --video=OUT.webp --fps 1 --size=64x64 -- REACH",
+    ],
+)
+def test_options_stand_anywhere(data: underbrush.Dataset, tmp_path: Path, words: str) -> None:
+    """Tests that exports and films take --json and --jobs before and after the command, and print the size of what they wrote."""
+    data[0].save(tmp_path / "reach.parquet")
+    places = {"REACH": str(tmp_path / "reach.parquet"), "OUT": str(tmp_path / "out")}
+    arguments = [re.sub("REACH|OUT", lambda word: places[word[0]], one) for one in words.split()]
+    found = run(*arguments)
+    assert found.returncode == 0, found.stderr
+    (tmp_path / "reach.parquet").unlink()
+    printed = json.loads(found.stdout)
+    assert Path(printed["file"]) in tmp_path.iterdir()
+    assert printed["bytes"] == sum(path.stat().st_size for path in tmp_path.rglob("*") if path.is_file())
+
+
+def test_errors_of_exports_are_json_too(tmp_path: Path) -> None:
+    """Tests that an export with --json prints the keys of the command line's errors, and what it prints without."""
+    export = ["export", str(tmp_path / "none.parquet"), "--to", "mcap", "--out", str(tmp_path / "out")]
+    found, plain = run(*export, "--json"), run(*export)
+    error = json.loads(found.stdout)["error"]
+    assert found.returncode == plain.returncode == 2 and f"error: {error['message']}\n" == plain.stderr
+    assert set(error) == set(json.loads(run("inspect", "nothing", "--json").stdout)["error"])
 
 
 @pytest.mark.parametrize("reaches", [[], ["--reaches", "0,1"], ["--reaches", "8"]])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import os
 import signal
 import sys
 import warnings
@@ -15,32 +16,32 @@ from underbrush._core import run_command_line
 # one sends `underbrush classify - --foxglove PORT` to Foxglove.
 _EXPORTS = ("hdf5", "mcap", "ros2")
 _FILMS = (".mp4", ".webp")
-# For each command, the option that decides.
-_OPTIONS = {"export": ["--to"], "classify": ["--foxglove"], "replay": ["--video"]}
 
 
 def _of_python(arguments: list[str]) -> tuple[str, list[str]] | None:
-    """The module that does what these arguments ask for, and its arguments. None if the command line does it.
-
-    The modules do not write JSON. With ``--json`` the command line ends with an error that names the module.
-    """
-    command = arguments[0] if arguments else ""
-    if "--json" in arguments or command not in _OPTIONS:
-        return None
+    """The module that does what these arguments ask for, and its arguments. None if the command line does it."""
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
-    for option in _OPTIONS[command]:
+    for option in ("--to", "--foxglove", "--video"):
         parser.add_argument(option)
+    # These two may stand before the command.
+    parser.add_argument("--json", action="store_true")
+    parser.add_argument("--jobs", type=int, choices=range(1, 1025))
     try:
-        given, others = parser.parse_known_args(arguments[1:])
+        given, others = parser.parse_known_args(arguments)
     except argparse.ArgumentError:
         return None
-    if command == "export":
-        return (given.to, ["export", *others]) if given.to in _EXPORTS else None
-    if command == "classify":
-        return ("live", arguments[1:]) if given.foxglove else None
-    if Path(given.video or "").suffix.lower() not in _FILMS:
-        return None
-    return "video", ["film", "--out", given.video, *others]
+    command, *others = others or [""]
+    if given.jobs:
+        # The libraries read it when they start their threads.
+        os.environ["RAYON_NUM_THREADS"] = str(given.jobs)
+    json = ["--json"] if given.json else []
+    if command == "export" and given.to in _EXPORTS:
+        return given.to, ["export", *json, *others]
+    if command == "replay" and Path(given.video or "").suffix.lower() in _FILMS:
+        return "video", ["film", "--out", given.video, *json, *others]
+    if command == "classify" and given.foxglove and not given.json:
+        return "live", ["--foxglove", given.foxglove, *others]
+    return None
 
 
 def main() -> int:

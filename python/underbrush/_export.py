@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import json
 import os
 import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import zip_longest
 from pathlib import Path
 
 from . import _core
@@ -56,23 +58,44 @@ def export_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser],
     """Adds the subcommand ``export``."""
     parser = commands.add_parser("export", help=help)
     parser.add_argument("data", nargs="+", type=Path, help="data sets (folders) or recordings (.parquet)")
-    parser.add_argument("--out", required=True, type=Path, help=out)
-    parser.add_argument("--force", action="store_true", help="overwrite a file that exists")
+    output_options(parser, out)
     return parser
 
 
-def status(run: Callable[[], object]) -> int:
-    """Runs a command. Returns its exit status: 1 if a file cannot be read or written, 2 for bad input. Ctrl-C ends the process."""
+def output_options(parser: argparse.ArgumentParser, out: str) -> None:
+    """Adds the options about what is written and printed."""
+    parser.add_argument("--out", required=True, type=Path, help=out)
+    parser.add_argument("--force", action="store_true", help="overwrite a file that exists")
+    parser.add_argument("--json", action="store_true", help="print the result as one JSON object")
+
+
+def status(run: Callable[[], Mapping[str, int] | None], options: argparse.Namespace) -> int:
+    """Runs a command, which may return how many things it wrote. Prints this, and with ``--json`` what the command line prints.
+
+    Returns its exit status: 1 if a file cannot be read or written, 2 for bad input. Ctrl-C ends the process.
+    """
     try:
-        run()
+        found = run() or {}
+        if options.json:
+            files = [file for file in (options.out, *options.out.rglob("*")) if file.is_file()]
+            print(json.dumps({"file": str(options.out), **found, "bytes": sum(file.stat().st_size for file in files)}))
+        else:
+            for things, count in found.items():
+                print(f"{count} {things} in {options.out}")
     except KeyboardInterrupt:
         # As the command line does. A script that runs this command then stops, too.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
         signal.raise_signal(signal.SIGINT)
     except (InputError, ImportError, OSError) as error:
+        number = 1 if isinstance(error, OSError) else 2
         # A command names its options, not arguments of Python.
-        print(f"error: {error.args[0] if isinstance(error, InputError) else error}", file=sys.stderr)
-        return 1 if isinstance(error, OSError) else 2
+        known = error.args if isinstance(error, InputError) else [str(error)]
+        if options.json:
+            names = ("message", "file", "line", "field", "found", "allowed", "remedy")
+            about = dict(zip_longest(names, known))
+            print(json.dumps({"error": {"kind": "run" if number == 1 else "input", **about}}))
+        print(f"error: {known[0]}", file=sys.stderr)
+        return number
     return 0
 
 

@@ -314,8 +314,7 @@ def main(arguments: list[str] | None = None) -> int:
     log.add_argument("--category", help="text attribute of the reach's group")
     channel = "a further column: a dataset with as many frames; may be given more than once"
     log.add_argument("--channel", action="append", default=[], metavar="NAME=DATASET", help=channel)
-    log.add_argument("--out", required=True, type=Path, help="CSV file to write")
-    log.add_argument("--force", action="store_true", help="overwrite a file that exists")
+    _export.output_options(log, "CSV file to write")
     options = parser.parse_args(arguments)
 
     def run() -> None:
@@ -328,7 +327,7 @@ def main(arguments: list[str] | None = None) -> int:
             given = {"times": options.times, "category": options.category, "channels": channels, "force": options.force}
             csv_of(options.log, options.out, options.forces, **given)
 
-    return _export.status(run)
+    return _export.status(run, options)
 
 
 if __name__ == "__main__":

@@ -147,6 +147,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="underbrush classify", usage=usage, add_help=False, allow_abbrev=False)
     parser.add_argument("--foxglove", type=int, required=True)
     parser.add_argument("--skin", type=Path)
+    parser.set_defaults(json=False)
     options, others = parser.parse_known_args(arguments)
     status = 0
 
@@ -161,4 +162,4 @@ def main(arguments: list[str] | None = None) -> int:
         finally:
             server.close()
 
-    return _export.status(run) or status
+    return _export.status(run, options) or status

@@ -584,8 +584,7 @@ def main(arguments: list[str] | None = None) -> int:
     log.add_argument("--field", default="data", help="where a message has them, such as wrench.force.z [default: data]")
     channel = "a further column, such as torque_z=/wrench:wrench.torque.z; may be given more than once"
     log.add_argument("--channel", action="append", default=[], metavar="NAME=TOPIC:FIELD", help=channel)
-    log.add_argument("--out", required=True, type=Path, help="CSV file to write")
-    log.add_argument("--force", action="store_true", help="overwrite a file that exists")
+    _export.output_options(log, "CSV file to write")
     options = parser.parse_args(arguments)
 
     def run() -> None:
@@ -602,7 +601,7 @@ def main(arguments: list[str] | None = None) -> int:
         count, reaches = _export.reaches_in(options.data, options.out)
         export(next(reaches) if count == 1 else reaches, options.out, force=options.force)
 
-    return _export.status(run)
+    return _export.status(run, options)
 
 
 if __name__ == "__main__":

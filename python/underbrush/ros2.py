@@ -271,7 +271,7 @@ def main(arguments: list[str] | None = None) -> int:
         urdf_of = _urdf_of(_core.Dataset(options.data[0]) if is_set else None, options.urdf)
         _export_with(urdf_of, next(reaches) if count == 1 else reaches, options.out, options.force)
 
-    return _export.status(run)
+    return _export.status(run, options)
 
 
 if __name__ == "__main__":

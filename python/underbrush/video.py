@@ -377,15 +377,15 @@ def main(arguments: list[str] | None = None) -> int:
     films = commands.add_parser("film", help="write a film of a reach", formatter_class=formatter)
     films.add_argument("data", type=Path, help="recording (.parquet) or data set (folder)")
     films.add_argument("--reaches", type=_reaches, default=argparse.SUPPRESS, metavar="N", help="reach of the data set, from 0")
-    films.add_argument("--out", required=True, type=Path, help=".mp4 or .webp")
+    _export.output_options(films, ".mp4 or .webp")
     films.add_argument("--fps", type=int, default=25, help="pictures per second")
     films.add_argument("--speed", type=float, default=1.0, help="how many times as fast as in reality it plays")
     films.add_argument("--size", type=_size, default="640x360", metavar="WxH", help="pixels")
     films.add_argument("--camera", default=argparse.SUPPRESS, metavar="NAME", help="camera of the scene file; for a data set")
-    films.add_argument("--force", action="store_true", help="overwrite a file that exists")
     sets = commands.add_parser("lerobot", help="write a data set with camera pictures", formatter_class=formatter)
     sets.add_argument("data", type=Path, help="data set (folder)")
     sets.add_argument("--out", required=True, type=Path, help="folder to write")
+    sets.add_argument("--json", action="store_true", help="print the result as one JSON object")
     sets.add_argument("--fps", type=int, default=25, help="frames per second, a divisor of the data set's rate")
     place: dict[str, Any] = {"type": float, "nargs": 3, "metavar": ("X", "Y", "Z")}
     sets.add_argument("--depth", action="store_true", help="also write the depth that each camera sees")
@@ -396,7 +396,7 @@ def main(arguments: list[str] | None = None) -> int:
     sets.add_argument("--name", default="front", help="with --eye: name of the camera")
     options = parser.parse_args(arguments)
 
-    def run() -> None:
+    def run() -> dict[str, int]:
         size: tuple[int, int] = options.size
         if options.command == "film":
             dataset = _core.Dataset(options.data) if options.data.is_dir() else None
@@ -416,17 +416,14 @@ def main(arguments: list[str] | None = None) -> int:
                 camera = cameras[options.camera][reach.scene]
             # A camera of the scene shows what a camera sees.
             given: dict[str, Any] = {name: getattr(options, name) for name in ("fps", "speed", "force")}
-            count = film(reach, options.out, size=size, camera=camera, arrows=camera is None, **given)
-            print(f"{count} pictures in {options.out}")
-        else:
-            own = None
-            if "eye" in options:
-                place = _core.Camera(options.eye, options.target, vertical_fov_deg=options.fov, size_px=size)
-                own = {str(options.name): place}
-            count = lerobot(options.data, options.out, own, fps=options.fps, depth=options.depth)
-            print(f"{count} frames in {options.out}")
+            return {"pictures": film(reach, options.out, size=size, camera=camera, arrows=camera is None, **given)}
+        own = None
+        if "eye" in options:
+            place = _core.Camera(options.eye, options.target, vertical_fov_deg=options.fov, size_px=size)
+            own = {str(options.name): place}
+        return {"frames": lerobot(options.data, options.out, own, fps=options.fps, depth=options.depth)}
 
-    return _export.status(run)
+    return _export.status(run, options)
 
 
 if __name__ == "__main__":
