@@ -49,7 +49,8 @@ pub fn wilson(successes: usize, trials: usize) -> Interval {
 ///
 /// Each resample draws as many reaches as there are, with replacement. If all resamples are alike, for instance because all
 /// records are right, they say nothing about other reaches. The interval is then that of [`wilson`] for as many trials as there are
-/// reaches. With few reaches the interval is too narrow. `None` if a record names no reach or there are fewer than two reaches. `categories` are those of the classifier.
+/// reaches. With few reaches the interval is too narrow. `None` if a record names no reach or there are fewer than two reaches.
+/// `categories` are those of the classifier.
 pub fn bootstrap_by_reach<'a>(
     records: impl IntoIterator<Item = Record<'a>>,
     categories: &[String],
