@@ -3,7 +3,26 @@
 use std::fs;
 use std::path::Path;
 
+use serde_json::json;
+
 use crate::support::{scenes, underbrush};
+
+/// Tests that the share of goals reached in a suite is that of the goals which a scene lists, and not of `goals.count`.
+#[test]
+fn listed_goals_are_all_goals_of_a_suite() {
+    let folder = tempfile::tempdir().unwrap();
+    // No objects are in the way of the two goals. A reach has four if none are listed.
+    let goals = "summary = \"Two goals\"\n[goals]\npositions_m = [[0.6, -0.2, -0.25], [0.6, 0.0, -0.25]]\n";
+    fs::write(folder.path().join("two.toml"), goals).unwrap();
+    let suite = folder.path().join("suite.toml");
+    let bounds = "[[scenes]]\nscene = \"two.toml\"\nreaches = 2\n[scenes.bounds]\ngoals_reached = { at_least = 1.0 }\n";
+    fs::write(&suite, format!("summary = \"Two goals\"\nseed = 1\n{bounds}")).unwrap();
+    let report = underbrush!["check", suite, "--json"].json();
+    let scene = &report["suites"][0]["scenes"][0];
+    assert_eq!((&scene["goals"]["reached"], &scene["bounds"][0]["found"]), (&json!(4), &json!(1.0)), "{report}");
+    let reach = underbrush!["reach", folder.path().join("two.toml"), "--json"].json();
+    assert_eq!((&reach["all_goals"], &reach["goals_reached"]), (&json!(2), &json!(2)));
+}
 
 /// Tests that a reach through an arranged scene is the reach through the scene, byte for byte, that an object which is moved
 /// in the file stands elsewhere in the reach, and that a file that is there is kept.

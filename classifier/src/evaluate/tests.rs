@@ -323,6 +323,9 @@ fn clusters_widen_the_interval() {
     assert_eq!(bootstrap(&predictions(&[("leaf", "leaf", 0, 50)])), None);
     let right: Vec<_> = (0..20).map(|reach| ("leaf", "leaf", reach, 50)).collect();
     assert_eq!(bootstrap(&predictions(&right)), Some(wilson(20, 20)));
+    // Neither do twenty of which each is half right.
+    let half: Vec<_> = (0..20).flat_map(|reach| [("leaf", "leaf", reach, 25), ("leaf", "trunk", reach, 25)]).collect();
+    assert_eq!(bootstrap(&predictions(&half)), Some(wilson(10, 20)));
     let mut homeless = clustered;
     homeless[0].reach = None;
     assert_eq!(bootstrap(&homeless), None);

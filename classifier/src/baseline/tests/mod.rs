@@ -164,6 +164,16 @@ fn windows_are_padded_with_their_last_sample() {
     assert_ne!(classifier.scores_of_all(&[&held]).unwrap().remove(0), scores);
 }
 
+/// Tests that nearest neighbours of a category that is twenty times as frequent as another one win if all five are its own.
+#[test]
+fn neighbours_of_a_frequent_category_count() {
+    let leaves = (0..40).map(|number| press(number, "leaf", 1.0, 2, 20));
+    let trials: Vec<Trial> = leaves.chain((40..42).map(|number| press(number, "trunk", 6.0, 4, 20))).collect();
+    let classifier = NearestNeighbours::default().fit(&trials.iter().collect::<Vec<_>>()).unwrap();
+    let scores = classifier.scores_of_all(&[&press(1000, "leaf", 1.0, 2, 20)]).unwrap().remove(0);
+    assert!(scores[0] > scores[1], "{scores:?}");
+}
+
 /// Tests that a feature that never varies has no influence on nearest neighbours, although the rounding of its mean
 /// leaves a variance, and that the model can be saved.
 #[test]
