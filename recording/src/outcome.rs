@@ -176,6 +176,8 @@ mod tests {
         let second = count(&[Reached, Aborted]);
         assert_eq!(first.to_string(), "2 of 4 goals reached, 1 stuck, 1 timed out");
         assert_eq!(count(&[Reached]).to_string(), "1 of 1 goal reached");
+        // After a safety stop, further goals are not tried.
+        assert_eq!(second.to_string(), "1 of 2 tried goals reached, 1 aborted");
         let sum: GoalOutcomes = [first, second].into_iter().sum();
         assert_eq!(Outcome::ALL.map(|outcome| sum.of(outcome)), [3, 1, 1, 1]);
         assert_eq!(sum.tried(), 6);

@@ -106,6 +106,30 @@ fn rates_that_the_data_cannot_hold_are_refused() {
     assert!(!out.exists());
 }
 
+/// Tests the warning of `train` where a tenth of the trials is mislabelled: a vote of five alike neighbours is the largest margin, and
+/// is wrong too often, so neither category is ever named.
+#[test]
+fn categories_that_are_never_named_are_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut lines = vec!["trial,category,time_s,force_n".to_string()];
+    for trial in 0..80 {
+        let force_n = if trial % 2 == 0 { 0.4 } else { 4.0 };
+        let category = if (trial % 2 == 0) != (trial % 10 == 0 || trial % 10 == 5) { "leaf" } else { "trunk" };
+        for sample in 0..6 {
+            lines.push(format!("{trial},{category},{},{force_n}", 0.01 * f64::from(sample)));
+        }
+    }
+    let (table, out) = (folder.path().join("mislabelled.csv"), folder.path().join("model.json"));
+    std::fs::write(&table, lines.join("\n")).unwrap();
+    let classifier = ["--classifier", "nearest-neighbours"];
+    let rate = ["--false-positive-rate", "0.03"];
+    let trained = underbrush!["train", table, "--out", out, classifier[0], classifier[1], rate[0], rate[1]];
+    for category in ["leaf", "trunk"] {
+        let warning = format!("no held-out {category} is called {category}; allow a higher --false-positive-rate");
+        assert!(trained.stderr.contains(&warning), "{}", trained.stderr);
+    }
+}
+
 /// Tests the warning of `train`: if both categories give the same forces, thresholds that hold the rate leave nearly
 /// every held-out trial uncertain. There is no warning if the categories are easy to tell apart.
 #[test]

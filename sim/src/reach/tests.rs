@@ -52,6 +52,18 @@ fn a_free_hand_moves_as_fast_as_it_is_told() {
     }
 }
 
+/// Tests that the rules of a plan, which its provenance holds, are those of the scene's patience: the published ones without it.
+#[test]
+fn rules_are_those_of_the_scenes_patience() {
+    let rules = |goals: &str| {
+        let text = format!("summary = \"Free space\"\ngoals = {{ count = 1, {goals} }}\n");
+        ReachPlan::new(Scene::parse("free.toml", text).unwrap(), None, 0).unwrap().rules
+    };
+    let published = super::ReachRules::published_with(ControllerKind::Cody2013);
+    assert_eq!(rules("patience_s = 3.0"), published.watched_for(3.0));
+    assert_ne!(rules("patience_s = 3.0"), rules("patience_s = 2.0"));
+}
+
 #[test]
 fn the_allowed_force_is_scaled() {
     // Tests that `force_limit_scale` scales the f_max of each published controller and none of its other parameters.

@@ -102,6 +102,20 @@ fn the_smallest_leads_are_called_outliers_first() {
     assert_eq!(area(excluded), 1.0);
 }
 
+/// Tests that objects of a category that the classifier does not know count as the outliers do.
+#[test]
+fn unknown_categories_count_as_outliers() {
+    let judge = Decision::argmax().prepare(&["leaf".into(), "trunk".into()]).unwrap();
+    let curve = |unknown| {
+        let rows = [("leaf", [90.0, 0.0]), ("trunk", [0.0, 30.0]), (unknown, [60.0, 0.0]), (unknown, [0.0, 20.0])];
+        outlier_roc(&scored(&rows), &judge, 0.0)
+    };
+    // In 3 of the 4 pairs the unknown one has the smaller margin.
+    assert_eq!(curve("stalk").map(|curve| curve.area), Some(0.75));
+    assert_eq!(curve("stalk"), curve("outlier"));
+    assert_eq!(curve("leaf"), None);
+}
+
 /// Tests that the curve passes through the verdicts of the paper's rule, and that uncertain trials are never found.
 #[test]
 fn the_curve_passes_through_the_rule() {

@@ -319,6 +319,15 @@ fn bare_contacts_are_found_from_torques() {
     assert!((force_n - 8.0).abs() < 1.0, "{force_n} N");
     assert!(touch.position_world.distance(point) < 0.05, "{}", touch.position_world.distance(point));
     assert!(touch.outward_normal_world.dot(DVec3::NEG_Y) > 0.8);
+    // A spring whose equilibrium angle is far away pulls with its limit, and no more: the equation is that of a contact of this size.
+    let limit_nm = arm.joints[0].torque_limit_nm;
+    let beyond = |share: f64| {
+        let phi = [q[0] + share * limit_nm / arm.joints[0].stiffness_nm_per_rad, q[1], q[2], q[3], q[4], q[5], q[6]];
+        bare.touch(&arm, &poses, &ControllerInput { equilibrium_angle_rad: &phi, ..input.clone() }, &still, 0.0)
+    };
+    let forces_n = [1.0, 3.0].map(|share| beyond(share).map(|(force_n, ..)| force_n));
+    assert!(forces_n[0].is_some_and(|force_n| force_n > 10.0), "{forces_n:?}");
+    assert_eq!(forces_n[0], forces_n[1]);
     // An arm that these torques accelerate touches nothing.
     let acceleration = arm.mass_matrix(&poses).cholesky().unwrap().solve(&-torque);
     assert!(bare.touch(&arm, &poses, &input, &acceleration, 0.0).is_none());
