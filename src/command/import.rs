@@ -42,7 +42,7 @@ pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
     }
     let import = if is_table { import } else { import_recordings };
     let imported = import(&options.file, &mapping)?;
-    if let Some(warning) = &imported.warning {
+    for warning in &imported.warnings {
         output::remark(format!("warning: {warning}"));
     }
     let categories = frequencies(imported.trials.iter().map(|trial| trial.category.clone().unwrap_or_default()));

@@ -120,9 +120,9 @@ pub(super) fn read(
             None => 0,
         };
         number = if reach_before.replace(reach) == Some(reach) { number + 1 } else { 0 };
-        let time_s = match (columns.time, mapping.file.time.rate_hz) {
-            (Some(column), _) => mapping.time_s(parsed(column)?),
-            (None, rate_hz) => number as f64 / rate_hz.unwrap_or(1.0),
+        let time_s = match columns.time {
+            Some(column) => mapping.time_s(parsed(column)?),
+            None => number as f64 / mapping.file.time.rate_hz.unwrap_or(1.0),
         };
         let category = match columns.category {
             Some(column) => cell(column),

@@ -44,8 +44,11 @@ pub(super) struct Cutter<'a> {
     pub(super) reaches: usize,
 }
 
-/// Room for rounding of times, s.
-const TIME_TOLERANCE_S: f64 = 1e-9;
+/// Room for rounding of differences of times, s. Times that count from 1970 are rounded by 1e-7 s, and once more if they are in
+/// whole nanoseconds.
+fn rounding_s(time_s: f64) -> f64 {
+    f64::max(1e-9, 4.0 * f64::EPSILON * time_s.abs())
+}
 
 /// The region of some taxels.
 fn region(forces_n: &[f64], taxels: &[usize]) -> Region {
@@ -118,7 +121,8 @@ impl<'a> Cutter<'a> {
         }
         if time_s <= self.before_s {
             let allowed = format!("more than {}, the time before it", limits::short(self.before_s));
-            let remedy = "sort the frames by time, or name the column of the reach as `reach_from` of the mapping";
+            let remedy = "sort the frames by time and delete those that are there twice, or name the column of the reach as `reach_from` \
+                          of the mapping";
             return Err(self.error(line, "time", limits::short(time_s), allowed, remedy));
         }
         self.before_s = time_s;
@@ -155,7 +159,7 @@ impl<'a> Cutter<'a> {
         let mut longest = 0;
         for (taxel, region) in regions.into_iter().enumerate() {
             let over = |trial: &Trial| {
-                trial.samples.last().is_some_and(|last| time_s - last.time_s > self.mapping.gap_s + TIME_TOLERANCE_S)
+                trial.samples.last().is_some_and(|last| time_s - last.time_s > self.mapping.gap_s + rounding_s(time_s))
             };
             let is_in_contact = self.in_contact[taxel];
             // A contact goes on without interruption, however far apart the frames are.

@@ -123,7 +123,8 @@ pub(super) struct TimeTable {
     pub(super) from: Option<String>,
     /// Unit of these times: `s` (default), `ms`, `us` or `ns`.
     pub(super) unit: Option<String>,
-    /// Frames per second, Hz, if there are no times.
+    /// Frames per second, Hz. Needed if there are no times. Beside times it says, to a hundredth, at which rate the frames of
+    /// recordings came; without it the rate is found for each reach, which takes some 150 frames if their times jitter much.
     pub(super) rate_hz: Option<f64>,
 }
 
@@ -261,9 +262,9 @@ impl Mapping {
                 return Err(self.fault(field, short(number), limits.to_string()));
             }
         }
+        let is_rate_alone = time.rate_hz.is_some() && time.from.is_none();
         let pairs = [
-            ("time.from", time.from.is_some(), "time.rate_hz", time.rate_hz.is_some()),
-            ("time.rate_hz", time.rate_hz.is_some(), "time.unit", time.unit.is_some()),
+            ("time.rate_hz", is_rate_alone, "time.unit", time.unit.is_some()),
             ("force.unit", force.unit.is_some(), "force.scale_n", force.scale_n.is_some()),
             ("trial.category", trial.category.is_some(), "trial.category_from", trial.category_from.is_some()),
         ];
@@ -362,16 +363,17 @@ impl Mapping {
         category.or(self.file.trial.category.as_deref()).unwrap_or_default()
     }
 
-    /// A warning if a label is not among those that cover a frame.
-    pub(super) fn unused_label(&self, used: &BTreeSet<usize>) -> Option<String> {
-        let number = (0..self.file.label.len()).find(|number| !used.contains(number))?;
-        let Label { from_s, to_s, category, .. } = &self.file.label[number];
-        let (line, path) = (self.line(&format!("label[{number}]")), self.path.display());
-        let span = format!("{} to {} s", short(*from_s), short(*to_s));
-        Some(format!(
-            "no frame is within the [[label]] of {category}, {span} ({path}:{line}): its times are those of the log in seconds, \
-             and its `reach` is a number of the log"
-        ))
+    /// A warning for each label that is not among those that cover a frame.
+    pub(super) fn unused_labels(&self, used: &BTreeSet<usize>) -> Vec<String> {
+        let warning = |(number, Label { from_s, to_s, category, .. }): (usize, &Label)| {
+            let (line, path) = (self.line(&format!("label[{number}]")), self.path.display());
+            let span = format!("{} to {} s", short(*from_s), short(*to_s));
+            format!(
+                "no frame is within the [[label]] of {category}, {span} ({path}:{line}): its times are those of the log in \
+                 seconds, and its `reach` is a number of the log"
+            )
+        };
+        self.file.label.iter().enumerate().filter(|(number, _)| !used.contains(number)).map(warning).collect()
     }
 
     /// A time of the file, s.

@@ -33,8 +33,8 @@ pub struct Imported {
     pub frames: usize,
     /// Reaches read.
     pub reaches: usize,
-    /// What is suspicious about the trials.
-    pub warning: Option<String>,
+    /// What is suspicious about the file or the trials.
+    pub warnings: Vec<String>,
 }
 
 /// Cuts trials from a CSV file.
@@ -79,7 +79,8 @@ fn imported(path: &Path, mapping: &Mapping, mut recorder: Option<Recorder>) -> R
         let remedy = match extension.as_str() {
             "h5" | "hdf5" => "convert it with the Python package: `python -m underbrush.hdf5 csv --help`",
             "mcap" => "convert it with the Python package: `python -m underbrush.mcap csv --help`",
-            _ => "rename the file, or convert it",
+            "parquet" | "xlsx" | "xls" | "npy" | "npz" | "mat" | "bag" | "db3" => "write it as CSV with the program that reads it",
+            _ => "rename it if it holds rows with commas between the cells, or write it as CSV",
         };
         return Err(InputError::new(path, "file name", format!("extension {extension:?}"), ".csv", remedy));
     }
@@ -92,14 +93,14 @@ fn imported(path: &Path, mapping: &Mapping, mut recorder: Option<Recorder>) -> R
         let remedy = "check the unit of the mapping, or lower `threshold_n` or `min_samples` there";
         return Err(InputError::new(path, "trials", found, allowed, remedy));
     }
-    let recordings = recorder.map_or(Ok(Vec::new()), Recorder::finish)?;
-    let warning = mapping.unused_label(&used_labels).or_else(|| warning(&trials));
-    let warning = warning.or_else(|| without_numbers(&trials, mapping));
-    Ok(Imported { trials, recordings, frames: cutter.frames, reaches: cutter.reaches, warning })
+    let (recordings, of_recordings) = recorder.map_or(Ok(Default::default()), Recorder::finish)?;
+    let of_trials = single_samples(&trials).into_iter().chain(without_numbers(&trials, mapping));
+    let warnings = mapping.unused_labels(&used_labels).into_iter().chain(of_trials).chain(of_recordings).collect();
+    Ok(Imported { trials, recordings, frames: cutter.frames, reaches: cutter.reaches, warnings })
 }
 
 /// A warning if half of the trials have a single sample: the force then varies about the threshold, or is raw.
-fn warning(trials: &[Trial]) -> Option<String> {
+fn single_samples(trials: &[Trial]) -> Option<String> {
     let short = trials.iter().filter(|trial| trial.samples.len() == 1).count();
     (trials.len() > 1 && 2 * short >= trials.len()).then(|| {
         format!(
@@ -110,9 +111,12 @@ fn warning(trials: &[Trial]) -> Option<String> {
     })
 }
 
-/// A warning if a channel of the mapping has no number in any sample, as a column of text.
-fn without_numbers(trials: &[Trial], mapping: &Mapping) -> Option<String> {
+/// A warning for each channel of the mapping that has no number in any sample, as a column of text.
+fn without_numbers(trials: &[Trial], mapping: &Mapping) -> Vec<String> {
     let found = channel_names(trials);
-    let name = &mapping.file.channel.iter().find(|own| !found.contains(&own.name))?.name;
-    Some(format!("the channel {name} has no number in any trial: check `from` of its [[channel]] in the mapping"))
+    let empty = mapping.file.channel.iter().map(|own| &own.name).filter(|name| !found.contains(*name));
+    let warning = |name| {
+        format!("the channel {name} has no number in any trial: check `from` of its [[channel]] in the mapping")
+    };
+    empty.map(warning).collect()
 }

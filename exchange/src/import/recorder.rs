@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::{DQuat, DVec3};
 use underbrush_recording::limits::{MAX_TAXELS, TEXT_BYTES, short};
+use underbrush_recording::math::median;
 use underbrush_recording::{
     Body, BodyOwner, Category, Contact, Frame, InputError, ObjectRecord, Patch, Pose, Recording, SkinLayout, Taxel,
     TaxelReading, read_bytes,
@@ -15,6 +16,10 @@ use super::time_grid::TimeGrid;
 
 /// The name of frames in which nothing presses, whatever the skin reads.
 const NOTHING: &str = "nothing";
+/// Skin that moves faster than this has poses in another unit, m/s. Choice: twice the speed of the fastest robot arms.
+const FASTEST_M_PER_S: f64 = 20.0;
+/// How much the rates of the reaches of one log may differ, relatively.
+const RATE_DIFFERENCE: f64 = 0.02;
 /// The columns of the file of taxels, and their largest sizes: places and areas as in skin files, so that millimetres are noticed.
 const TAXEL_COLUMNS: [&str; 7] = ["x_m", "y_m", "z_m", "normal_x", "normal_y", "normal_z", "area_m2"];
 const LARGEST: [f64; 7] = [5.0, 5.0, 5.0, 1e3, 1e3, 1e3, 0.25];
@@ -26,6 +31,10 @@ pub(super) struct Recorder<'a> {
     /// The log. Its name takes the place of the scene.
     path: &'a Path,
     reaches: Vec<Recording>,
+    /// The first line of each reach.
+    lines: Vec<usize>,
+    /// The largest speed of the skin, m/s, and the line of its frame.
+    fastest: (f64, usize),
     /// The categories so far.
     categories: Vec<Category>,
     /// The category of the frame before, and its object.
@@ -53,6 +62,8 @@ impl<'a> Recorder<'a> {
             layout,
             path,
             reaches: Vec::new(),
+            lines: Vec::new(),
+            fastest: (0.0, 0),
             categories: Vec::new(),
             label: String::new(),
             object: None,
@@ -64,6 +75,7 @@ impl<'a> Recorder<'a> {
     pub(super) fn push(&mut self, place: &Place, readings: &[f64], pose: Option<[f64; 7]>) -> Result<(), InputError> {
         if self.reaches.last().is_none_or(|last| last.reach_index != place.reach) {
             self.reaches.push(self.empty(place.reach));
+            self.lines.push(place.line);
             self.label.clear();
             self.object = None;
         }
@@ -109,6 +121,13 @@ impl<'a> Recorder<'a> {
         let pose = pose.map_or(Pose::IDENTITY, |[x, y, z, qx, qy, qz, qw]| {
             Pose::new(DVec3::new(x, y, z), DQuat::from_xyzw(qx, qy, qz, qw).normalize())
         });
+        if let Some(before) = reach.frames.last() {
+            let way_m = before.end_effector_pose_world.position.distance(pose.position);
+            let speed_m_per_s = way_m / (place.time_s - before.time_s);
+            if speed_m_per_s > self.fastest.0 {
+                self.fastest = (speed_m_per_s, place.line);
+            }
+        }
         let zeros = || vec![0.0];
         reach.frames.push(Frame {
             time_s: place.time_s,
@@ -144,15 +163,18 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// The recordings, at the rate of the mapping, or else that of their frames. Times begin at 0.
-    pub(super) fn finish(self) -> Result<Vec<Recording>, InputError> {
+    /// The recordings, at the rate of the mapping, or else that of their frames, and what is suspicious about them. Times begin
+    /// at 0.
+    pub(super) fn finish(self) -> Result<(Vec<Recording>, Vec<String>), InputError> {
         let Recorder { mapping, path, layout, mut reaches, .. } = self;
-        for reach in &mut reaches {
+        for (reach, line) in reaches.iter_mut().zip(&self.lines) {
             let times_s: Vec<f64> = reach.frames.iter().map(|frame| frame.time_s).collect();
             let grid = TimeGrid::of(&times_s, mapping.file.time.rate_hz);
             let grid = grid.map_err(|(found, allowed)| {
-                let remedy = "write the frames at one rate, or begin a new reach there (`reach_from` of the mapping)";
-                InputError::new(path, "time", format!("{found} in reach {}", reach.reach_index), allowed, remedy)
+                let remedy = "write the frames at one rate, begin a new reach there (`reach_from` of the mapping), or give the rate as \
+                              `time.rate_hz`";
+                let found = format!("{found} in reach {}", reach.reach_index);
+                InputError::new(path, "time", found, allowed, remedy).at_line(*line)
             })?;
             reach.rate_hz = grid.rate_hz;
             reach.frames = grid.filled(std::mem::take(&mut reach.frames));
@@ -164,8 +186,30 @@ impl<'a> Recorder<'a> {
                 }
             }
         }
-        Ok(reaches)
+        let mut warnings = other_rate(&reaches).into_iter().collect::<Vec<_>>();
+        let (speed_m_per_s, line) = self.fastest;
+        if speed_m_per_s > FASTEST_M_PER_S {
+            let speed = short(speed_m_per_s);
+            warnings.push(format!("the skin moves at {speed} m/s up to line {line}: the first three of `pose_from` are in m"));
+        }
+        if !mapping.file.channel.is_empty() {
+            warnings.push("recordings hold no channels: write a table of trials to use each [[channel]]".into());
+        }
+        Ok((reaches, warnings))
     }
+}
+
+/// A warning if a reach seems to have another rate than most.
+fn other_rate(reaches: &[Recording]) -> Option<String> {
+    // A single frame has no rate.
+    let with_rate = || reaches.iter().filter(|reach| reach.frames.len() > 1);
+    let usual_hz = median(with_rate().map(|reach| reach.rate_hz).collect())?;
+    let other = with_rate().find(|reach| (reach.rate_hz / usual_hz - 1.0).abs() > RATE_DIFFERENCE)?;
+    let (index, own, usual) = (other.reach_index, short(other.rate_hz), short(usual_hz));
+    Some(format!(
+        "reach {index} seems to have frames at {own} Hz, while {usual} Hz is usual in this file: if all have one rate, give it as \
+         `time.rate_hz` in the mapping"
+    ))
 }
 
 /// The category with this name: the one with its usual code, or with the next code that is free if another name has that.

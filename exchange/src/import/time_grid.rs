@@ -11,9 +11,12 @@ use super::mapping::RATE_HZ;
 /// Frames that are missing for at most this long repeat the one before, s. A longer pause is no lost frame.
 const LONGEST_PAUSE_S: f64 = 1.0;
 
-/// The first frames from which the step is found, and how far around the median step it is sought, in shares.
+/// The first frames from which the step is found, and how far around the median step or that of a given rate it is sought, in shares.
 const FIRST: usize = 512;
 const AROUND: f64 = 0.25;
+const AROUND_GIVEN: f64 = 0.01;
+/// Fewer frames tell less about the rate than one that is given.
+const FEW: usize = 50;
 /// A frame this far from its place, in frames, is not of the rate: a half, and what the rate found may be off.
 const FAR: f64 = 0.6;
 
@@ -35,9 +38,9 @@ fn fit(times_s: &[f64], step_s: f64) -> (f64, f64) {
     (math::hypot(sine, cosine) / times_s.len() as f64, math::atan2(sine, cosine) / TAU)
 }
 
-/// The step that fits best, near a first guess. The more frames are looked at, the closer is what remains possible.
-fn best_step_s(times_s: &[f64], mut step_s: f64) -> f64 {
-    let (mut count, mut around) = (FIRST, AROUND);
+/// The step that fits best, within a share around a first guess. The more frames are looked at, the closer is what remains possible.
+fn best_step_s(times_s: &[f64], mut step_s: f64, mut around: f64) -> f64 {
+    let mut count = FIRST;
     loop {
         let seen = &times_s[..count.min(times_s.len())];
         let closeness = 0.5 * step_s / (seen[seen.len() - 1] - seen[0]);
@@ -67,8 +70,8 @@ fn line(places: &[usize], times_s: &[f64]) -> [f64; 2] {
 }
 
 impl TimeGrid {
-    /// The grid of ascending times, s. The step is the one that fits best, unless a rate is given, and a frame is at the
-    /// nearest place.
+    /// The grid of ascending times, s. The step is the one that fits best, near that of the rate if one is given, and a frame is at
+    /// the nearest place.
     ///
     /// # Errors
     /// What was found and what is allowed, if frames are missing for long, if more are missing than not, or if one is half a frame
@@ -87,14 +90,18 @@ impl TimeGrid {
             let found = format!("no frame from {} to {} s", short(*start_s), short(start_s + own_s));
             return Err((found, format!("no pause of more than {LONGEST_PAUSE_S} s")));
         }
-        let mut step_s = if rate_hz.is_some() { median_s } else { best_step_s(times_s, median_s) };
+        let is_certain = rate_hz.is_some() && times_s.len() < FEW;
+        let around = if rate_hz.is_some() { AROUND_GIVEN } else { AROUND };
+        let mut step_s = if is_certain { median_s } else { best_step_s(times_s, median_s, around) };
         // Two frames before the first one leave room for what is moved.
         let mut start_s = times_s[0] + (fit(times_s, step_s).1 - 2.0) * step_s;
         let mut places = vec![0; times_s.len()];
         // Twice, because the line through the places gives a better step.
         for _ in 0..2 {
             places = times_s.iter().map(|time_s| ((time_s - start_s) / step_s).round() as usize).collect();
-            [start_s, step_s] = line(&places, times_s);
+            if !is_certain {
+                [start_s, step_s] = line(&places, times_s);
+            }
         }
         let off = |place: usize, time_s: f64| (time_s - start_s) / step_s - place as f64;
         // Of two frames at one place, the one that is farther off moves.
@@ -108,7 +115,9 @@ impl TimeGrid {
         }
         let all = (places[places.len() - 1] + 1).saturating_sub(places[0]);
         let missing = all.saturating_sub(times_s.len());
-        let rate_hz = rate_hz.unwrap_or(1.0 / step_s);
+        // A rate that is given stays, unless it drifts by a frame.
+        let stays = |rate_hz: &f64| (rate_hz * step_s - 1.0).abs() * all as f64 <= 1.0;
+        let rate_hz = rate_hz.filter(stays).unwrap_or(1.0 / step_s);
         if missing > times_s.len() {
             let found = format!("{missing} of {all} frames missing at {} Hz", short(rate_hz));
             return Err((found, "at most as many missing frames as there are".into()));

@@ -87,7 +87,7 @@ fn a_label_of_the_reach_counts_before_a_general_one() {
         let found = imported(&path, &format!("[time]\nfrom = \"t\"\n[force]\nfrom = \"f\"\n{labels}")).unwrap();
         let categories: Vec<_> = found.trials.iter().map(|own| own.category.as_deref()).collect();
         assert_eq!(categories, [Some("trunk"), Some("leaf")]);
-        assert!(!found.warning.unwrap_or_default().contains("no frame is within"));
+        assert!(!found.warnings.iter().any(|text| text.contains("no frame is within")), "{:?}", found.warnings);
     }
 }
 
@@ -106,7 +106,7 @@ fn labels_hold_from_one_time_to_another() {
         found.trials.iter().map(|own| (own.category.as_deref().unwrap(), own.samples.len())).collect();
     assert_eq!(categories, [("leaf", 1), ("trunk", 2), ("table", 1)]);
     let unused = imported(&path, &mapping(&(label(0.0, 1.0, "leaf") + &label(100.0, 300.0, "trunk")))).unwrap();
-    let warning = unused.warning.unwrap();
+    let warning = &unused.warnings[0];
     assert!(warning.contains("of trunk, 100 to 300 s") && warning.contains(":10)"), "{warning}");
     let error = refused(&path, &mapping(&label(0.0, 1.0, "uncertain")));
     assert_eq!((error.field.as_str(), error.line), ("label[0].category", Some(9)));
@@ -123,11 +123,9 @@ fn labels_hold_from_one_time_to_another() {
 fn trials_of_single_samples_are_suspicious() {
     let (_folder, path) = file("log.csv");
     written(&path, LOG);
-    let warning = |trial: &str| imported(&path, &mapping(trial)).unwrap().warning;
-    assert!(
-        warning("[trial]\nthreshold_n = 0.1\n").is_some_and(|text| text.starts_with("3 of 4 trials have a single"))
-    );
-    assert_eq!(warning("[trial]\nthreshold_n = 0.1\nrelease_n = 0.05\ngap_s = 0.5\n"), None);
+    let warnings = |trial: &str| imported(&path, &mapping(trial)).unwrap().warnings;
+    assert!(warnings("[trial]\nthreshold_n = 0.1\n")[0].starts_with("3 of 4 trials have a single"));
+    assert!(warnings("[trial]\nthreshold_n = 0.1\nrelease_n = 0.05\ngap_s = 0.5\n").is_empty());
 }
 
 /// Tests that channels follow the taxels, one for each or one for all, that a cell without a number is a gap, that a column
@@ -147,15 +145,47 @@ fn channels_follow_the_taxels() {
     assert_eq!(channels(0, 0), [("shear".to_owned(), 0.1), temperature(30.0)]);
     assert_eq!(channels(0, 1), [temperature(31.0)]);
     assert_eq!(channels(1, 0), [("shear".to_owned(), -0.2), temperature(30.0)]);
-    assert_eq!(found.warning, None);
+    assert!(found.warnings.is_empty(), "{:?}", found.warnings);
     written(&path, "time,f0,f1,heat\n0,1,2,warm\n1,1,1,hot\n");
     let of_text = imported(&path, &mapping(&channel("temperature", "heat"))).unwrap();
-    assert!(of_text.warning.is_some_and(|text| text.contains("channel temperature has no number")));
+    assert!(of_text.warnings[0].contains("channel temperature has no number"));
     for (bad, field) in [
         (channel("force_n", "heat"), "channel[0].name"),
         (channel("shear", "heat") + &channel("shear", "heat"), "channel[1].name"),
         (channel("shear", "x{taxel}"), "channel[0].from"),
     ] {
         assert_eq!(refused(&path, &mapping(&bad)).field, field);
+    }
+}
+
+/// Tests that all that is suspicious is said at once: two labels without a frame, trials of single samples and a channel of text.
+#[test]
+fn everything_suspicious_is_said() {
+    let (_folder, path) = file("log.csv");
+    written(&path, "t,f,what\n0,1,soft\n1,0,soft\n2,1,soft\n3,0,soft\n");
+    let label = |from_s: u32| format!("[[label]]\nfrom_s = {from_s}\nto_s = 60\nreach = {from_s}\ncategory = \"leaf\"\n");
+    let channel = "[[channel]]\nname = \"what\"\nfrom = \"what\"\n";
+    let text = format!("[time]\nfrom = \"t\"\n[force]\nfrom = \"f\"\n{}{}{channel}", label(50), label(51));
+    let warnings = imported(&path, &text).unwrap().warnings;
+    let expected = ["leaf, 50 to 60 s", "leaf, 51 to 60 s", "2 of 2 trials have a single sample", "channel what has no number"];
+    assert_eq!(warnings.len(), expected.len(), "{warnings:?}");
+    for (warning, expected) in warnings.iter().zip(expected) {
+        assert!(warning.contains(expected), "{warning}");
+    }
+}
+
+/// Tests that where times begin does not decide which interruptions end a contact: at 100 Hz, four frames without contact are a gap
+/// of 0.05 s, in seconds and in nanoseconds since 1970 too.
+#[test]
+fn gaps_do_not_depend_on_where_times_begin() {
+    let (_folder, path) = file("log.csv");
+    for (unit, begin, step) in [("s", 0.0, 0.01), ("s", 1_764_480_000.0, 0.01), ("ns", 1_764_480_000e9, 1e7)] {
+        let row = |frame: u32| format!("{},{}\n", begin + f64::from(frame) * step, u32::from(frame % 10 < 6));
+        written(&path, &format!("t,f\n{}", (0..500).map(row).collect::<String>()));
+        let trials = |gap_s: f64| {
+            let text = format!("[time]\nfrom = \"t\"\nunit = \"{unit}\"\n[force]\nfrom = \"f\"\n[trial]\ngap_s = {gap_s}\n");
+            imported(&path, &text).unwrap().trials.len()
+        };
+        assert_eq!([0.05, 0.049].map(trials), [1, 50], "{unit}");
     }
 }

@@ -114,3 +114,48 @@ fn names_with_one_code_can_meet() {
     let codes: BTreeSet<i8> = categories.iter().map(|(_, code)| *code).collect();
     assert_eq!(codes.len(), 2, "{categories:?}");
 }
+
+/// Tests that short reaches whose times jitter are put at their places if the rate is given, also one that is off by half a percent,
+/// and that a reach which seems to have another rate is warned of.
+#[test]
+fn a_given_rate_places_short_reaches() {
+    let log = |frames: u32, step_s: f64| {
+        // Jitter of up to 0.39 frames, from a sequence without a pattern.
+        let jitter = |frame: u32| 0.39 * (12.9898 * f64::from(frame) * f64::from(frame + 3)).sin();
+        let row = |reach: u32, frame: u32| format!("{reach},{},0,0,leaf\n", (f64::from(frame) + jitter(frame + 40 * reach)) * step_s);
+        let rows = (0..12).flat_map(|reach| (0..frames).map(move |frame| row(reach, frame)));
+        format!("run,s,f0,f1,label\n{}", rows.collect::<String>())
+    };
+    let still = MAPPING.lines().filter(|line| !line.starts_with("pose_from")).collect::<Vec<_>>().join("\n");
+    let given = still.replace("[time]", "[time]\nrate_hz = 100");
+    for (frames, step_s) in [(10, 0.01), (30, 0.01), (200, 0.01005), (2000, 0.01005)] {
+        let found = recorded(&log(frames, step_s), TAXELS, &given).unwrap();
+        let counts: Vec<usize> = found.recordings.iter().map(|own| own.frames.len()).collect();
+        assert_eq!(counts, [frames as usize; 12], "{frames} frames");
+        assert!(found.recordings.iter().all(|own| (own.rate_hz * step_s - 1.0).abs() < 0.006), "{frames} frames");
+        assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+    }
+    // The first reach has half the rate of the others.
+    let slow = log(200, 0.01).lines().filter(|row| !row.starts_with("0,")).map(|row| format!("{row}\n")).collect::<String>();
+    let first = (0..200).map(|frame| format!("0,{},0,0,leaf\n", 0.02 * f64::from(frame))).collect::<String>();
+    let (header, others) = slow.split_once('\n').unwrap();
+    let found = recorded(&format!("{header}\n{first}{others}"), TAXELS, &still).unwrap();
+    assert!(found.warnings[0].starts_with("reach 0 seems to have frames at 50 Hz"), "{:?}", found.warnings);
+}
+
+/// Tests that poses in millimetres are noticed by the speed of the skin, and that channels, which recordings do not hold, are said.
+#[test]
+fn poses_in_millimetres_and_channels_are_warned_of() {
+    let row = |frame: u32, scale: f64| {
+        format!("0,{},0.5,0,{},0,0,0,0,0,1,leaf\n", 0.01 * f64::from(frame), scale * 0.002 * f64::from(frame))
+    };
+    let warnings = |scale: f64, more: &str| {
+        let header = LOG.lines().next().unwrap();
+        let log = format!("{header}\n{}", (0..20).map(|frame| row(frame, scale)).collect::<String>());
+        recorded(&log, TAXELS, &format!("{MAPPING}{more}")).unwrap().warnings
+    };
+    assert!(warnings(1.0, "").is_empty());
+    assert!(warnings(1000.0, "")[0].contains("moves at 200 m/s"), "{:?}", warnings(1000.0, ""));
+    let channel = "[[channel]]\nname = \"heat\"\nfrom = \"f0\"\n";
+    assert!(warnings(1.0, channel)[0].contains("recordings hold no channels"));
+}
