@@ -37,17 +37,39 @@ pub struct Provenance {
 /// How much the rate of frames may differ from that of a model's data, relatively.
 const RATE_TOLERANCE: f64 = 0.1;
 
+/// Whether two rates differ by more than the tolerance.
+fn differ((own_hz, rate_hz): (f64, f64)) -> bool {
+    (rate_hz / own_hz - 1.0).abs() > RATE_TOLERANCE
+}
+
+/// A rate as it is printed, Hz.
+fn shown(rate_hz: f64) -> f64 {
+    (100.0 * rate_hz).round() / 100.0
+}
+
 impl Provenance {
-    /// Warns if frames come at another rate, Hz, than those of the data that the model was fitted to. `subject` names the frames.
-    /// Nothing is said if either rate is unknown.
-    pub fn warn_of_rate(&self, subject: impl Display, rate_hz: Option<f64>) {
-        let others = self.data.iter().filter_map(|data| data.rate_hz.zip(rate_hz));
-        let other = others.into_iter().find(|(own, rate)| (rate / own - 1.0).abs() > RATE_TOLERANCE);
-        if let Some((own, rate)) = other {
-            let [own, rate] = [own, rate].map(|hz| (100.0 * hz).round() / 100.0);
+    /// Warns if frames come at another rate, Hz, than all data that the model was fitted to, and says whether it did. `subject`
+    /// names the frames. Nothing is said if either rate is unknown.
+    pub fn warn_of_rate(&self, subject: impl Display, rate_hz: Option<f64>) -> bool {
+        let mut rates = self.data.iter().filter_map(|data| data.rate_hz.zip(rate_hz));
+        let Some((own, rate)) = rates.clone().next().filter(|_| rates.all(differ)) else { return false };
+        let [own, rate] = [own, rate].map(shown);
+        log::warn!(
+            "warning: {subject}: frames at {rate} Hz, but the model was fitted to frames at {own} Hz; classifiers count \
+             samples, so do not trust its verdicts here; use a model that was fitted to data of this rate"
+        );
+        true
+    }
+
+    /// Warns if the data that the model was fitted to have several rates.
+    pub fn warn_of_several_rates(&self) {
+        let mut rates = self.data.iter().filter_map(|data| data.rate_hz);
+        let Some(first) = rates.next() else { return };
+        if let Some(other) = rates.find(|rate| differ((first, *rate))) {
+            let [first, other] = [first, other].map(shown);
             log::warn!(
-                "warning: {subject}: frames at {rate} Hz, but the model was fitted to frames at {own} Hz; classifiers count \
-                 samples, so do not trust its verdicts here; use a model that was fitted to data of this rate"
+                "warning: the model is fitted to frames at {first} Hz and at {other} Hz; classifiers count samples, so use data of \
+                 one rate"
             );
         }
     }
@@ -70,7 +92,7 @@ pub struct DataSource {
     /// Number of reaches of each scene.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub reaches: BTreeMap<String, usize>,
-    /// Frames per second, Hz; unknown for tables of trials.
+    /// Frames per second, Hz; for a table of trials by the median time between two samples. Unknown for what was in memory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
 }

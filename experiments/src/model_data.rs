@@ -6,8 +6,10 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::Value;
 use underbrush_classifier::{DataKind, DataSource, Provenance, frequencies};
-use underbrush_recording::Recording;
-use underbrush_recording::disk::{Dataset, DiskError, Episode, file_blake3, is_folder, is_recording, read_recording};
+use underbrush_recording::disk::{
+    Dataset, DiskError, Episode, file_blake3, is_folder, is_recording, read_recording, read_trials,
+};
+use underbrush_recording::{Recording, period_s};
 
 use crate::dataset::PROGRAM_VERSION;
 
@@ -20,9 +22,7 @@ pub fn provenance(options: Value, data: Vec<DataSource>) -> Provenance {
     };
     let program = Some(format!("underbrush {PROGRAM_VERSION}"));
     let provenance = Provenance { program, options, data, further: BTreeMap::new() };
-    for data in &provenance.data {
-        provenance.warn_of_rate(data.name.as_deref().unwrap_or("training data"), data.rate_hz);
-    }
+    provenance.warn_of_several_rates();
     provenance
 }
 
@@ -44,10 +44,24 @@ pub fn of_path(path: &Path) -> Result<DataSource, DiskError> {
         rate_hz: None,
     };
     if !is_recording(path)? {
-        return Ok(source);
+        return Ok(DataSource { rate_hz: rate_hz(path)?, ..source });
     }
     let own = of_recording(&read_recording(path)?);
     Ok(DataSource { name: source.name, blake3: source.blake3, ..own })
+}
+
+/// Frames per second of a data set, a recording or a table of trials, Hz; `None` if no trial of the table has two samples.
+///
+/// # Errors
+/// [`DiskError`] if it cannot be read.
+pub fn rate_hz(path: &Path) -> Result<Option<f64>, DiskError> {
+    if is_folder(path)? {
+        return Ok(Some(Dataset::open(path)?.info().fps));
+    }
+    if is_recording(path)? {
+        return Ok(Some(read_recording(path)?.rate_hz));
+    }
+    Ok(period_s(&read_trials(path)?).filter(|period_s| *period_s > 0.0).map(f64::recip))
 }
 
 /// Some reaches of a data set.

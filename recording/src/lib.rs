@@ -59,4 +59,4 @@ pub use text_line::line_at;
 pub use toml_line::{line_giving, line_setting};
 #[cfg(feature = "toml")]
 pub use toml_text::parse_toml;
-pub use trial::{Region, Sample, Trial};
+pub use trial::{Region, Sample, Trial, period_s};

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Channels;
 use crate::limits::{self, first_outside, short};
+use crate::math::median;
 
 /// One sample of a trial.
 ///
@@ -140,4 +141,10 @@ impl Trial {
             (false, false) => Some(false),
         }
     }
+}
+
+/// The median time between two samples of a trial, s; `None` if no trial has two.
+pub fn period_s<'a>(trials: impl IntoIterator<Item = &'a Trial>) -> Option<f64> {
+    let pairs = trials.into_iter().flat_map(|trial| trial.samples.windows(2));
+    median(pairs.map(|pair| pair[1].time_s - pair[0].time_s).collect())
 }

@@ -220,9 +220,10 @@ impl EvaluateOptions {
 
     /// Warns of a model that was fitted to the trials, or to frames of another rate.
     fn warn_of_data(&self, provenance: &Provenance) -> Result<(), Failure> {
+        let mut has_warned = false;
         for path in &self.trials {
             let own = content(path)?;
-            provenance.warn_of_rate(path.display(), own.rate_hz);
+            has_warned = has_warned || provenance.warn_of_rate(path.display(), own.rate_hz);
             if provenance.data.iter().any(|data| data.blake3 == own.blake3) {
                 let found = "the model was fitted to these data, so its accuracy on them is too high";
                 output::remark(format!("warning: {}: {found}; evaluate it on other data", path.display()));

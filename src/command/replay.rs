@@ -81,7 +81,7 @@ pub fn run(options: ReplayOptions, json: bool) -> Result<(), Failure> {
     let judging = judging(&options)?;
     for path in &options.inputs {
         let Some(judging) = &judging else { break };
-        judging.by.provenance().warn_of_rate(path.display(), model_data::of_path(path)?.rate_hz);
+        judging.by.provenance().warn_of_rate(path.display(), model_data::rate_hz(path)?);
     }
     let source = Source::open(&options.inputs, known(), judging)?;
     if options.picture.run(&source, &options.reaches, json)? {

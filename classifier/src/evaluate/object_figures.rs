@@ -68,7 +68,7 @@ pub struct GroupingFigures {
     pub purity: f64,
     /// Number of groups.
     pub groups: usize,
-    /// Number of true objects.
+    /// Number of true objects that pressed on them, which are more than the groups where contacts with several objects are joined.
     pub true_objects: usize,
 }
 
@@ -137,7 +137,8 @@ impl ObjectVerdicts {
 impl GroupingFigures {
     pub(super) fn of(objects: &[JudgedObject]) -> Option<Self> {
         let [all, own] = objects.iter().fold([0.0; 2], |sum, own| [sum[0] + own.force_n[0], sum[1] + own.force_n[1]]);
-        let true_objects: BTreeSet<_> = objects.iter().map(|own| (own.reach, own.true_object)).collect();
+        let pressed = |own: &JudgedObject| own.pressed_by.iter().map(move |object| (own.reach, *object)).collect::<Vec<_>>();
+        let true_objects: BTreeSet<_> = objects.iter().flat_map(pressed).collect();
         let (groups, true_objects) = (objects.len(), true_objects.len());
         (all > 0.0).then(|| GroupingFigures { purity: own / all, groups, true_objects })
     }
@@ -186,6 +187,7 @@ mod tests {
             contacts: 2,
             contacts_called_unknown: usize::from(at_end == "unknown"),
             force_n: [4.0, 3.0],
+            pressed_by: if truth == "outlier" { vec![0, 7] } else { vec![0] },
             ..JudgedObject::new(1)
         }
     }
@@ -212,6 +214,19 @@ mod tests {
         assert_eq!((figures.unknown_contacts, figures.found_contacts), (4, 1));
         assert_eq!((figures.known_contacts, figures.false_alarm_contacts), (6, 1));
         assert!((figures.roc_area.unwrap() - 4.0 / 6.0).abs() < 1e-12);
+    }
+
+    /// Tests that a model that finds all objects alike has counts, but no interval and no area: its verdicts say nothing about
+    /// further reaches.
+    #[test]
+    fn a_model_that_tells_nothing_apart_has_no_intervals() {
+        let alike = objects().into_iter().map(|own| JudgedObject { share_beyond: 1.0, ..own }).collect::<Vec<_>>();
+        let of = |objects: &[JudgedObject]| UnknownFigures::of(objects, &["leaf".into(), "trunk".into()]);
+        let (alike, apart) = (of(&alike), of(&objects()));
+        assert_eq!((alike.unknown_objects, alike.found_objects), (apart.unknown_objects, apart.found_objects));
+        let unsaid = |own: &UnknownFigures| (own.found_interval.is_none(), own.false_alarm_interval.is_none(), own.roc_area);
+        assert_eq!(unsaid(&alike), (true, true, None));
+        assert!(apart.false_alarm_interval.is_some() && apart.roc_area.is_some());
     }
 
     /// Tests the verdicts on known objects at each moment against shares by hand.
@@ -245,11 +260,12 @@ mod tests {
         assert_eq!(found.iter().map(|own| own.right).collect::<Vec<_>>(), [0.0, 1.0, 1.0, 1.0]);
     }
 
-    /// Tests that the purity is the share of the force that comes from the true object, and that objects of one reach count once.
+    /// Tests that the purity is the share of the force that comes from the true object, and that all objects that pressed count, those of one
+    /// reach once.
     #[test]
     fn groups_are_pure_by_force() {
         let figures = GroupingFigures::of(&objects()).unwrap();
-        assert_eq!((figures.purity, figures.groups, figures.true_objects), (0.75, 6, 2));
+        assert_eq!((figures.purity, figures.groups, figures.true_objects), (0.75, 6, 3));
         assert_eq!(GroupingFigures::of(&[]), None);
     }
 }

@@ -58,6 +58,9 @@ pub struct JudgedObject {
     /// The sensed force of all its taxels and frames, and the part of it that came from the true object, N.
     #[serde(skip)]
     pub force_n: [f64; 2],
+    /// Indices of all objects in the recording that pressed its taxels.
+    #[serde(skip)]
+    pub pressed_by: Vec<u16>,
 }
 
 /// Follows the objects of a reach.
@@ -192,6 +195,7 @@ impl OpenObject {
             contacts: self.contacts.len(),
             contacts_called_unknown: self.contacts.values().filter(|touch| **touch == Touch::Unknown).count(),
             force_n: [self.votes.values().sum(), own_n],
+            pressed_by: self.votes.into_keys().collect(),
             ..self.judged
         })
     }

@@ -102,7 +102,7 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
         return Err(Failure::usage(message));
     }
     if !options.reads_stdin() && is_there(&options.input)? {
-        let rate_hz = model_data::of_path(&options.input)?.rate_hz;
+        let rate_hz = model_data::rate_hz(&options.input)?;
         model.provenance().warn_of_rate(options.input.display(), rate_hz);
     }
     let model = match model {
