@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use underbrush_recording::Recording;
-use underbrush_recording::disk::{DiskError, write_recording};
+use underbrush_recording::disk::write_recording;
+use underbrush_recording::{Fault, Recording};
 use underbrush_sim::campaign::{self, Job};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
@@ -73,9 +73,9 @@ fn campaign(bencher: Bencher) {
         let frames = AtomicU64::new(0);
         let receive = |position, recording: Recording| {
             frames.fetch_add(recording.frames.len() as u64, Ordering::Relaxed);
-            write_recording(folder.path().join(format!("{position}.parquet")), &recording)
+            write_recording(folder.path().join(format!("{position}.parquet")), &recording).map_err(Fault::from)
         };
-        campaign::run_until::<DiskError>(&plans, &jobs, receive, &|| false).expect("there is room for the clutter");
+        campaign::run_until(&plans, &jobs, receive, &|| false).expect("there is room for the clutter");
         frames.into_inner()
     };
     bencher.counter(ItemsCount::new(run())).bench_local(run);

@@ -2,7 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
-use std::sync::Mutex;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -380,17 +379,12 @@ pub fn each_reach<T: Send>(
     progress: &dyn Progress,
     make: impl Fn(usize, Recording) -> Result<T, Fault> + Sync,
 ) -> Result<Vec<T>, Fault> {
-    let made: Mutex<BTreeMap<usize, T>> = Mutex::default();
     let count = progress.count("reaches", (done + jobs.len()) as u64, done as u64);
-    let receive = |place: usize, recording: Recording| -> Result<(), Fault> {
+    let receive = |place: usize, recording: Recording| {
         let goals = recording.goal_outcomes();
         let own = make(place, recording)?;
-        if let Ok(mut made) = made.lock() {
-            made.insert(place, own);
-        }
         count.reach(goals);
-        Ok(())
+        Ok(own)
     };
-    campaign::run_until(plans, jobs, receive, &|| progress.is_stopped())?;
-    Ok(made.into_inner().unwrap_or_default().into_values().collect())
+    campaign::run_until(plans, jobs, receive, &|| progress.is_stopped())
 }

@@ -16,15 +16,12 @@ pub struct Job {
     pub reach_index: u64,
 }
 
-/// Why a campaign ended early; `E` is the error of the receiver of the recordings.
+/// Why a campaign ended early, apart from the errors of the receiver of its recordings.
 #[derive(Debug, thiserror::Error)]
-pub enum CampaignError<E: std::error::Error + 'static> {
+pub enum CampaignError {
     /// A scene cannot be drawn, or a controller answered wrongly.
     #[error(transparent)]
     Reach(#[from] ReachError),
-    /// The receiver failed on a recording.
-    #[error(transparent)]
-    Receiver(E),
     /// The physics engine panicked.
     #[error(
         "reach {reach_index} of scene {scene} failed inside the physics engine: {message}; the other reaches are \
@@ -42,31 +39,33 @@ pub enum CampaignError<E: std::error::Error + 'static> {
     },
 }
 
-/// Runs the jobs on the threads of the current rayon pool and passes each recording, with the job's position, to
-/// `receive` as soon as it is complete. The order of the calls depends on the threads; the recordings do not. When `stop`
-/// returns true, all running reaches are abandoned and no more start. `stop` is called in every frame of every reach.
+/// Runs the jobs on the threads of the current rayon pool, passes each recording, with the job's position, to `receive` as
+/// soon as it is complete, and returns what `receive` makes of each, in the order of the jobs. The order of the calls
+/// depends on the threads; the recordings do not. When `stop` returns true, all running reaches are abandoned and no more
+/// start. `stop` is called in every frame of every reach.
 ///
 /// # Errors
 /// The first error; jobs that are running then finish, and no further ones start. [`ReachError::Stopped`] if `stop` returned
 /// true.
-pub fn run_until<E: std::error::Error + Send + 'static>(
+pub fn run_until<T: Send, E: From<CampaignError> + Send>(
     plans: &[ReachPlan],
     jobs: &[Job],
-    receive: impl Fn(usize, Recording) -> Result<(), E> + Sync,
+    receive: impl Fn(usize, Recording) -> Result<T, E> + Sync,
     stop: &(dyn Fn() -> bool + Sync),
-) -> Result<(), CampaignError<E>> {
-    // One job at a time: reaches differ tenfold in length, so larger batches would leave threads idle at the end.
-    jobs.par_iter().with_max_len(1).enumerate().try_for_each(|(position, job)| {
+) -> Result<Vec<T>, E> {
+    let run = |(position, job): (usize, &Job)| {
         let plan = &plans[job.plan];
         let outcome = catch_unwind(AssertUnwindSafe(|| plan.run_until(job.reach_index, &mut |_| {}, &stop)));
-        let recording = outcome.map_err(|panic| CampaignError::Engine {
+        let reach = outcome.map_err(|panic| CampaignError::Engine {
             scene: plan.scene.name.clone(),
             reach_index: job.reach_index,
             seed: plan.seed,
             message: panic_message(panic.as_ref()),
-        })??;
-        receive(position, recording).map_err(CampaignError::Receiver)
-    })
+        })?;
+        receive(position, reach.map_err(CampaignError::Reach)?)
+    };
+    // One job at a time: reaches differ tenfold in length, so larger batches would leave threads idle at the end.
+    jobs.par_iter().with_max_len(1).enumerate().map(run).collect()
 }
 
 fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {

@@ -18,14 +18,10 @@ impl From<ReachError> for Fault {
     }
 }
 
-impl<E: std::error::Error + 'static> From<CampaignError<E>> for Fault
-where
-    Fault: From<E>,
-{
-    fn from(error: CampaignError<E>) -> Self {
+impl From<CampaignError> for Fault {
+    fn from(error: CampaignError) -> Self {
         match error {
             CampaignError::Reach(error) => error.into(),
-            CampaignError::Receiver(error) => error.into(),
             CampaignError::Engine { .. } => Fault::Run(error.to_string()),
         }
     }

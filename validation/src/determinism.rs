@@ -1,8 +1,5 @@
 //! Check 15: the same seed gives the same bytes.
 
-use std::convert::Infallible;
-use std::sync::Mutex;
-
 use rayon::ThreadPoolBuilder;
 use underbrush_recording::Recording;
 use underbrush_sim::campaign::{self, Job};
@@ -76,22 +73,9 @@ fn restored(simulated: Simulated) -> Found {
 fn reaches(seed: u64, threads: usize) -> Result<Vec<u8>, Fault> {
     let plan = ReachPlan::new(Scene::parse("determinism.toml", SCENE.into())?, None, seed)?;
     let jobs: Vec<Job> = (0..REACHES).map(|reach_index| Job { plan: 0, reach_index }).collect();
-    let fault = |error: &dyn std::fmt::Display| Fault::Run(error.to_string());
-    let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| fault(&error))?;
-    let done: Mutex<Vec<(usize, Vec<u8>)>> = Mutex::default();
-    let run = || {
-        let receive = |position, recording: Recording| {
-            if let Ok(mut done) = done.lock() {
-                done.push((position, bytes(&recording)));
-            }
-            Ok(())
-        };
-        campaign::run_until::<Infallible>(&[plan], &jobs, receive, &|| false)
-    };
-    pool.install(run).map_err(|error| fault(&error))?;
-    let mut done = done.into_inner().unwrap_or_default();
-    done.sort();
-    Ok(done.into_iter().flat_map(|(_, bytes)| bytes).collect())
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| Fault::Run(error.to_string()))?;
+    let receive = |_, recording: Recording| Ok::<_, Fault>(bytes(&recording));
+    Ok(pool.install(|| campaign::run_until(&[plan], &jobs, receive, &|| false))?.concat())
 }
 
 /// All numbers of a recording, exactly: Rust prints enough digits to distinguish a float from every other.
