@@ -1,5 +1,6 @@
 //! Check 11: foam blocks and foam rolls.
 
+use glam::DVec3;
 use underbrush_oracles::foam::{self, StandardLinearSolid};
 use underbrush_sim::object::foam_block::FoamBlock;
 use underbrush_sim::object::foam_roll::FoamRoll;
@@ -40,10 +41,10 @@ const SLICE: usize = 6;
 fn pressed_block(simulated: Simulated) -> Found {
     let block = FoamBlock { modulus_pa: BLOCK.modulus_pa * simulated.with(STIFF_FOAM, 1.0, 1.05), ..BLOCK };
     let sag = foam::sag_m(DENSITY_KG_PER_M3, GRAVITY_M_PER_S2, BLOCK.height_m, BLOCK.modulus_pa);
-    let mut standing = Driven::new(&block, GRAVITY_M_PER_S2, 1, Axis::TranslationZ);
+    let mut standing = Driven::new(&block, GRAVITY_M_PER_S2, 1, Axis::along(DVec3::Z));
     let sunk = standing.let_go(30.0);
     let depth_m = 1e-3;
-    let mut pressed = Driven::new(&block, 0.0, 1, Axis::TranslationZ);
+    let mut pressed = Driven::new(&block, 0.0, 1, Axis::along(DVec3::Z));
     let force = pressed.drive(|_| -depth_m, 0.02).last().map_or(0.0, |point| -point.force);
     let expected = foam::bar_force_n(BLOCK.modulus_pa, BLOCK_AREA_M2, BLOCK.height_m, depth_m);
     let reason = "3 %: exact in the time step; a spring with a relaxation time of 2 s loses less than 1 % within 20 ms";
@@ -70,7 +71,7 @@ fn roll(simulated: Simulated) -> FoamRoll {
 
 /// One slice of the simulated roll, which can be driven sideways.
 fn slice(simulated: Simulated) -> Driven {
-    Driven::new(&roll(simulated), 0.0, 3 + SLICE, Axis::TranslationX)
+    Driven::new(&roll(simulated), 0.0, 3 + SLICE, Axis::along(DVec3::X))
 }
 
 /// The closed form of a slice: a bar as long and as wide as the diameter.

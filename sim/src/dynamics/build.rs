@@ -1,11 +1,11 @@
 //! Trees of arms and objects.
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::DMat3;
 use underbrush_recording::Pose;
 
 use super::{Coordinate, EndStop, Link, Scratch, Tree};
 use crate::arm::Arm;
-use crate::object::structure::{self, Spring, Structure};
+use crate::object::structure::{Axis, Spring, Structure};
 
 /// Angle by which an end stop gives way under the largest torque of the joint's actuator, rad: 2°, as rubber stops do.
 const STOP_GIVE_RAD: f64 = 0.035;
@@ -13,67 +13,11 @@ const STOP_GIVE_RAD: f64 = 0.035;
 /// 0.3 kg m² and stop of 2 kNm/rad oscillate with 13 Hz.
 const STOP_LOSS_TIME_S: f64 = 0.02;
 
-/// A free axis of a joint.
-#[derive(Clone, Copy, Debug)]
-pub struct Axis {
-    /// Unit vector in the frame of the joint.
-    pub axis_joint: DVec3,
-    /// Whether it is a rotation.
-    pub turns: bool,
-    /// Its spring, damper and armature.
-    pub spring: Spring,
-    /// Its end stop.
-    pub stop: Option<EndStop>,
-}
-
-/// A link to be added to a tree.
-#[derive(Clone, Copy, Debug)]
-pub struct LinkOptions {
-    /// The link that carries it.
-    pub parent: usize,
-    /// Pose of the joint's frame in the frame of the parent. The link's own frame is there while the joint is at 0.
-    pub joint_parent: Pose,
-    /// Mass, kg.
-    pub mass_kg: f64,
-    /// Centre of mass, m, frame of the link.
-    pub center_of_mass_link: DVec3,
-    /// Inertia about the centre of mass, kg m², axes of the link's frame.
-    pub inertia_link: DMat3,
-}
-
-impl LinkOptions {
-    /// A link without mass.
-    fn massless(parent: usize, joint_parent: Pose) -> Self {
-        let (center_of_mass_link, inertia_link) = (DVec3::ZERO, DMat3::ZERO);
-        LinkOptions { parent, joint_parent, mass_kg: 0.0, center_of_mass_link, inertia_link }
-    }
-
-    /// The link, whose joint has these coordinates of its tree. `last` is the last coordinate that moves it.
-    fn link(self, coordinates: (usize, usize), last: Option<usize>) -> Link {
-        let LinkOptions { parent, joint_parent, mass_kg, center_of_mass_link, inertia_link } = self;
-        Link {
-            parent,
-            joint_parent,
-            mass_kg,
-            center_of_mass_link,
-            inertia_link,
-            drag: None,
-            pose_world: Pose::IDENTITY,
-            coordinates,
-            last,
-            is_ball: false,
-            turn: DQuat::IDENTITY,
-        }
-    }
-}
-
 impl Tree {
     /// A tree that has only its ground yet, at this pose. Gravity acts on its links if it `weighs`.
     pub fn new(ground_world: Pose, weighs: bool) -> Self {
-        let ground = LinkOptions::massless(0, Pose::IDENTITY).link((0, 0), None);
-        let ground = Link { pose_world: ground_world, ..ground };
         Tree {
-            links: vec![ground],
+            links: vec![Link { pose_world: ground_world, ..Link::new(0, Pose::IDENTITY) }],
             coordinates: Vec::new(),
             weighs,
             pushes: Vec::new(),
@@ -83,28 +27,17 @@ impl Tree {
         }
     }
 
-    /// Adds a link on a joint with these axes, and returns its index. All translations come before the rotations. Of two
+    /// Adds a link on a joint with these degrees of freedom, and returns its index. All translations come before the rotations. Of two
     /// rotations, the first turns the axis of the second; three are those of a ball joint.
-    pub fn add(&mut self, link: LinkOptions, axes: impl IntoIterator<Item = Axis>) -> usize {
+    pub fn add(&mut self, link: Link, axes: impl IntoIterator<Item = Coordinate>) -> usize {
         let (index, first) = (self.links.len(), self.coordinates.len());
         let mut last = self.links[link.parent].last;
-        for Axis { axis_joint, turns, spring, stop } in axes {
-            self.coordinates.push(Coordinate {
-                link: index,
-                turns,
-                axis_joint,
-                spring,
-                stop,
-                position: 0.0,
-                velocity: 0.0,
-                dashpot: 0.0,
-                before: last,
-                axis_world: axis_joint,
-            });
+        for own in axes {
+            self.coordinates.push(Coordinate { link: index, before: last, ..own });
             last = Some(self.coordinates.len() - 1);
         }
         let is_ball = self.coordinates[first..].iter().filter(|own| own.turns).count() == 3;
-        self.links.push(Link { is_ball, ..link.link((first, self.coordinates.len()), last) });
+        self.links.push(Link { coordinates: (first, self.coordinates.len()), last, is_ball, ..link });
         self.pushes.resize(self.coordinates.len(), 0.0);
         self.place();
         index
@@ -119,7 +52,7 @@ impl Tree {
 
     /// Adds an object whose foot is fixed to a link, at this pose in the link's frame. Returns the link that is its foot.
     pub fn carry(&mut self, structure: &Structure, carrier: usize, foot_carrier: Pose) -> usize {
-        let foot = self.add(LinkOptions::massless(carrier, foot_carrier), []);
+        let foot = self.add(Link::new(carrier, foot_carrier), []);
         self.add_bodies(structure, foot);
         foot
     }
@@ -130,17 +63,18 @@ impl Tree {
         for body in structure.bodies.iter().skip(1) {
             let inertia = body.inertia;
             let joint = body.joint.as_ref();
-            let link = LinkOptions {
-                parent: foot + joint.map_or(0, |joint| joint.parent),
-                joint_parent: joint
-                    .map_or(Pose::IDENTITY, |joint| Pose::new(joint.origin_parent, joint.orientation_parent)),
+            let parent = foot + joint.map_or(0, |joint| joint.parent);
+            let joint_parent =
+                joint.map_or(Pose::IDENTITY, |joint| Pose::new(joint.origin_parent, joint.orientation_parent));
+            let link = Link {
                 mass_kg: inertia.mass_kg,
                 center_of_mass_link: inertia.center_of_mass_body,
                 inertia_link: DMat3::from_diagonal(inertia.principal_kg_m2),
+                drag: body.drag,
+                ..Link::new(parent, joint_parent)
             };
             let axes = joint.into_iter().flat_map(|joint| &joint.free_axes);
-            let link = self.add(link, axes.map(|(axis, spring)| Axis::of_structure(*axis, *spring)));
-            self.links[link].drag = body.drag;
+            let link = self.add(link, axes.map(|(axis, spring)| Coordinate::new(*axis, *spring)));
             self.grips.extend(joint.and_then(|joint| joint.grip).map(|grip| (link, grip)));
         }
     }
@@ -151,41 +85,29 @@ impl Tree {
         let mut tree = Tree::new(Pose::IDENTITY, false);
         for (index, (joint, link)) in arm.joints.iter().zip(&arm.links[1..]).enumerate() {
             let is_limited = joint.limits_rad.iter().all(|limit| limit.is_finite());
-            let axis = Axis {
-                axis_joint: joint.axis_child,
-                turns: true,
-                spring: Spring {
-                    stiffness: joint.stiffness_nm_per_rad,
-                    damping: joint.damping_nm_s_per_rad,
-                    armature: joint.armature_kg_m2,
-                    ..Spring::default()
-                },
-                stop: is_limited.then_some(EndStop {
-                    limits_rad: joint.limits_rad,
-                    stiffness_nm_per_rad: joint.torque_limit_nm / STOP_GIVE_RAD,
-                    loss_time_s: STOP_LOSS_TIME_S,
-                }),
+            let spring = Spring {
+                stiffness: joint.stiffness_nm_per_rad,
+                damping: joint.damping_nm_s_per_rad,
+                armature: joint.armature_kg_m2,
+                ..Spring::default()
             };
-            let link = LinkOptions {
-                parent: index,
-                joint_parent: joint.origin_parent,
+            let stop = is_limited.then_some(EndStop {
+                limits_rad: joint.limits_rad,
+                stiffness_nm_per_rad: joint.torque_limit_nm / STOP_GIVE_RAD,
+                loss_time_s: STOP_LOSS_TIME_S,
+            });
+            let link = Link {
                 mass_kg: link.mass_kg,
                 center_of_mass_link: link.center_of_mass_link,
                 inertia_link: link.inertia_link,
+                ..Link::new(index, joint.origin_parent)
             };
-            tree.add(link, [axis]);
+            tree.add(link, [Coordinate { stop, ..Coordinate::new(Axis::about(joint.axis_child), spring) }]);
         }
         for (coordinate, angle) in tree.coordinates.iter_mut().zip(posture_rad) {
             (coordinate.position, coordinate.spring.rest) = (*angle, *angle);
         }
         tree.place();
         tree
-    }
-}
-
-impl Axis {
-    fn of_structure(axis: structure::Axis, spring: Spring) -> Self {
-        let (axis_joint, turns) = axis.direction();
-        Axis { axis_joint, turns, spring, stop: None }
     }
 }

@@ -22,7 +22,7 @@ use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Pose;
 
-use crate::object::structure::{Drag, Grip, Spring};
+use crate::object::structure::{Axis, Drag, Grip, Spring};
 use crate::physics::Theta;
 use spatial::Spatial;
 
@@ -34,8 +34,6 @@ mod spatial;
 #[cfg(test)]
 mod tests;
 mod theta;
-
-pub use build::{Axis, LinkOptions};
 
 /// An end stop of a degree of freedom, on both sides.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -73,12 +71,30 @@ pub struct Coordinate {
     axis_world: DVec3,
 }
 
+impl Coordinate {
+    /// At rest at 0, without an end stop, and yet of no link.
+    pub fn new(Axis { direction, turns }: Axis, spring: Spring) -> Self {
+        Coordinate {
+            link: 0,
+            turns,
+            axis_joint: direction,
+            spring,
+            stop: None,
+            position: 0.0,
+            velocity: 0.0,
+            dashpot: 0.0,
+            before: None,
+            axis_world: direction,
+        }
+    }
+}
+
 /// A rigid body of a tree.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Link {
     /// The link that carries it; the ground carries itself.
     pub parent: usize,
-    /// Pose of the joint's frame in the frame of the parent.
+    /// Pose of the joint's frame in the frame of the parent. The link's own frame is there while the joint is at 0.
     pub joint_parent: Pose,
     /// Mass, kg.
     pub mass_kg: f64,
@@ -97,6 +113,25 @@ pub struct Link {
     /// Whether its joint has three rotations, and the rotation of such a joint.
     is_ball: bool,
     turn: DQuat,
+}
+
+impl Link {
+    /// A link without mass, and yet in no tree.
+    pub fn new(parent: usize, joint_parent: Pose) -> Self {
+        Link {
+            parent,
+            joint_parent,
+            mass_kg: 0.0,
+            center_of_mass_link: DVec3::ZERO,
+            inertia_link: DMat3::ZERO,
+            drag: None,
+            pose_world: Pose::IDENTITY,
+            coordinates: (0, 0),
+            last: None,
+            is_ball: false,
+            turn: DQuat::IDENTITY,
+        }
+    }
 }
 
 /// A tree of links. Link 0 is the ground, which does not move.

@@ -5,10 +5,10 @@ use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use underbrush_recording::Pose;
 
-use super::{Axis, LinkOptions, Tree};
+use super::{Coordinate, Link, Tree};
 use crate::object::Object;
 use crate::object::leaf::Leaf;
-use crate::object::structure::Spring;
+use crate::object::structure::{Axis, Spring};
 use crate::physics::Theta;
 
 const GRAVITY_M_PER_S2: f64 = 9.81;
@@ -31,20 +31,20 @@ fn potential_energy_j(tree: &Tree) -> f64 {
     GRAVITY_M_PER_S2 * heights.sum::<f64>()
 }
 
-fn hinge(axis_joint: DVec3) -> Axis {
-    Axis { axis_joint, turns: true, spring: Spring::elastic(0.0, 0.0), stop: None }
+fn hinge(axis_joint: DVec3) -> Coordinate {
+    Coordinate::new(Axis::about(axis_joint), Spring::elastic(0.0, 0.0))
 }
 
 /// Two rods of 1 kg and 0.5 m that hang on hinges with axes at right angles.
 fn double_pendulum() -> Tree {
     let mut tree = Tree::new(Pose::IDENTITY, true);
     for (parent, axis) in [(0, DVec3::X), (1, DVec3::Y)] {
-        let link = LinkOptions {
-            parent,
-            joint_parent: Pose::from_position(if parent == 0 { DVec3::ZERO } else { DVec3::Z * -0.5 }),
+        let joint_parent = Pose::from_position(if parent == 0 { DVec3::ZERO } else { DVec3::Z * -0.5 });
+        let link = Link {
             mass_kg: 1.0,
             center_of_mass_link: DVec3::Z * -0.25,
             inertia_link: DMat3::from_diagonal(DVec3::new(0.021, 0.021, 0.001)),
+            ..Link::new(parent, joint_parent)
         };
         tree.add(link, [hinge(axis)]);
     }
@@ -103,14 +103,13 @@ fn mass(tree: &Tree, coordinates: &[usize]) -> DMatrix<f64> {
 fn shrub() -> Tree {
     let mut tree = Tree::new(Pose::IDENTITY, true);
     for (link, parent) in [0, 1, 2, 3, 2, 5].into_iter().enumerate() {
-        let rod = LinkOptions {
-            parent,
-            joint_parent: Pose::from_position(DVec3::new(0.01 * link as f64, -0.02, 0.1)),
+        let rod = Link {
             mass_kg: 0.1 + 0.01 * link as f64,
             center_of_mass_link: DVec3::new(0.005, 0.0, 0.05),
             inertia_link: DMat3::from_diagonal(DVec3::new(3e-4, 4e-4, 1e-4)),
+            ..Link::new(parent, Pose::from_position(DVec3::new(0.01 * link as f64, -0.02, 0.1)))
         };
-        let axes = [DVec3::X, DVec3::Z].map(|axis| Axis { spring: Spring::elastic(0.3, 0.002), ..hinge(axis) });
+        let axes = [DVec3::X, DVec3::Z].map(|axis| Coordinate::new(Axis::about(axis), Spring::elastic(0.3, 0.002)));
         tree.add(rod, axes);
     }
     for (at, own) in tree.coordinates.iter_mut().enumerate() {
@@ -143,13 +142,12 @@ fn coordinates_that_nothing_acts_on_follow_the_others() {
 /// A free body of 2 kg, which may be weightless.
 fn free_body(weighs: bool) -> Tree {
     let mut tree = Tree::new(Pose::IDENTITY, weighs);
-    let slide = |axis_joint| Axis { turns: false, ..hinge(axis_joint) };
-    let link = LinkOptions {
-        parent: 0,
-        joint_parent: Pose::IDENTITY,
+    let slide = |axis_joint| Coordinate::new(Axis::along(axis_joint), Spring::elastic(0.0, 0.0));
+    let link = Link {
         mass_kg: 2.0,
         center_of_mass_link: DVec3::ZERO,
         inertia_link: DMat3::from_diagonal(DVec3::new(0.01, 0.02, 0.025)),
+        ..Link::new(0, Pose::IDENTITY)
     };
     let axes = DVec3::AXES.map(slide).into_iter().chain(DVec3::AXES.map(hinge));
     tree.add(link, axes);

@@ -137,7 +137,8 @@ impl Blade {
         for (hinge, end_m) in hinges.iter().zip(ends) {
             let bend = Spring { yield_moment: self.yield_moment_nm, ..self.damped(1.0 / hinge.bend) };
             let origin_parent = DVec3::Z * (hinge.place_m - before_m);
-            let free_axes = vec![(Axis::RotationZ, self.damped(1.0 / hinge.twist)), (Axis::RotationY, bend)];
+            let free_axes =
+                vec![(Axis::about(DVec3::Z), self.damped(1.0 / hinge.twist)), (Axis::about(DVec3::Y), bend)];
             bodies.push(Body {
                 joint: Some(Joint {
                     orientation_parent: DQuat::from_rotation_y(curl_rad * hinge.bend / total),

@@ -188,7 +188,7 @@ impl Object for FoamBlock {
             return Structure { bodies: vec![Body::foot(), block], axisymmetric: false, surface: self.soft_surface() };
         }
         let top = Body {
-            joint: Some(Joint::parallel(0, DVec3::ZERO, vec![(Axis::TranslationZ, self.spring())])),
+            joint: Some(Joint::parallel(0, DVec3::ZERO, vec![(Axis::along(DVec3::Z), self.spring())])),
             inertia: Inertia::of_box(self.moving_mass_kg(), center, size_m),
             parts: vec![part(BodyShape::Box { size_m }, center)],
             collision_group: CollisionGroup::Foam,

@@ -149,14 +149,14 @@ impl Object for FoamRoll {
         let lean_inertia = slice_mass_kg * SLICES as f64 * self.height_m.powi(2) / 3.0;
         let lean = self.standard_linear_solid(self.lean_stiffness_nm_per_rad(), lean_inertia);
         let base_hinge = |parent, axis| Body::between_hinges(Joint::parallel(parent, DVec3::ZERO, vec![(axis, lean)]));
-        let mut bodies = vec![Body::foot(), base_hinge(0, Axis::RotationX), base_hinge(1, Axis::RotationY)];
+        let mut bodies = vec![Body::foot(), base_hinge(0, Axis::about(DVec3::X)), base_hinge(1, Axis::about(DVec3::Y))];
         let core = bodies.len() - 1;
         let slide = self.standard_linear_solid(self.slice_stiffness_n_per_m(), slice_mass_kg);
         bodies.extend((0..SLICES).map(|slice| Body {
             joint: Some(Joint::parallel(
                 core,
                 DVec3::Z * (slice as f64 + 0.5) * slice_height_m,
-                vec![(Axis::TranslationX, slide), (Axis::TranslationY, slide)],
+                vec![(Axis::along(DVec3::X), slide), (Axis::along(DVec3::Y), slide)],
             )),
             inertia: Inertia::of_cylinder(slice_mass_kg, radius_m, slice_height_m),
             parts: vec![part(BodyShape::Cylinder { radius_m, length_m: slice_height_m }, DVec3::ZERO)],

@@ -231,7 +231,7 @@ impl Object for Leaf {
         let (blade, hinges) = (self.blade(), self.hinges());
         let sideways = blade.damped(self.sideways_stiffness_nm_per_rad());
         let lowest = Body {
-            joint: Some(Joint::parallel(0, DVec3::ZERO, vec![(Axis::RotationX, sideways)])),
+            joint: Some(Joint::parallel(0, DVec3::ZERO, vec![(Axis::about(DVec3::X), sideways)])),
             collision_group: CollisionGroup::Rooted,
             ..blade.piece(0.0, hinges.first().map_or(self.height_m, |hinge| hinge.place_m))
         };

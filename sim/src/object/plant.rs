@@ -249,7 +249,7 @@ impl Plant {
             let spring = self.stem_spring(hinge.bend);
             let mut origin_parent = DVec3::Z * (hinge.place_m - before_m);
             if number == 0 {
-                let twist = vec![(Axis::RotationZ, self.stem_spring(hinge.twist))];
+                let twist = vec![(Axis::about(DVec3::Z), self.stem_spring(hinge.twist))];
                 bodies.push(Body::between_hinges(Joint::parallel(bodies.len() - 1, origin_parent, twist)));
                 origin_parent = DVec3::ZERO;
             }
@@ -257,7 +257,7 @@ impl Plant {
             let center = DVec3::Z * (0.5 * length_m);
             let mass_kg = self.stem_mass_kg() * length_m / height_m;
             let inertia = Inertia::of_cylinder(mass_kg, radius_m, length_m);
-            let bends = vec![(Axis::RotationX, spring), (Axis::RotationY, spring)];
+            let bends = vec![(Axis::about(DVec3::X), spring), (Axis::about(DVec3::Y), spring)];
             bodies.push(Body {
                 joint: Some(Joint::parallel(bodies.len() - 1, origin_parent, bends)),
                 inertia: Inertia { center_of_mass_body: center, ..inertia },
@@ -290,7 +290,7 @@ impl Plant {
         bodies.push(Body {
             joint: Some(Joint {
                 orientation_parent: DQuat::from_rotation_z(azimuth_rad) * DQuat::from_rotation_y(tilt_rad),
-                ..Joint::parallel(*carrier, DVec3::Z * (height_m - from_m), vec![(Axis::RotationX, sideways)])
+                ..Joint::parallel(*carrier, DVec3::Z * (height_m - from_m), vec![(Axis::about(DVec3::X), sideways)])
             }),
             parts: vec![stalk],
             drag: None,

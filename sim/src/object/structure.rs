@@ -39,10 +39,12 @@ impl Structure {
         let Some(own) = grip else { return self };
         let mut joint = Joint { grip, ..Joint::free(0, DVec3::ZERO) };
         for (axis, spring) in &mut joint.free_axes {
-            let stiffness = match axis {
-                Axis::TranslationX | Axis::TranslationY => own.across_n_per_m,
-                Axis::TranslationZ => own.along_n_per_m,
-                _ => 100.0 * own.across_n_per_m * own.depth_m * own.depth_m,
+            let stiffness = if axis.turns {
+                100.0 * own.across_n_per_m * own.depth_m * own.depth_m
+            } else if axis.direction == DVec3::Z {
+                own.along_n_per_m
+            } else {
+                own.across_n_per_m
             };
             *spring = Spring::elastic(stiffness, stiffness * own.loss_time_s);
         }
@@ -86,9 +88,8 @@ impl Structure {
         for ((joint, pose), (mass_kg, moment)) in joints.zip(&poses).zip(carried) {
             let weight = -DVec3::Z * gravity_m_per_s2;
             for (axis, spring) in joint.into_iter().flat_map(|joint| &mut joint.free_axes) {
-                let (direction, turns) = axis.direction();
-                let direction = pose.transform_vector(direction);
-                let load = if turns {
+                let direction = pose.transform_vector(axis.direction);
+                let load = if axis.turns {
                     direction.dot((moment - pose.position * mass_kg).cross(weight))
                 } else {
                     direction.dot(weight) * mass_kg
@@ -156,46 +157,29 @@ impl Joint {
 
     /// A joint that holds nothing: all six axes are free and have no spring. Contacts act only on bodies with joints.
     pub fn free(parent: usize, origin_parent: DVec3) -> Self {
-        let axes = [
-            Axis::TranslationX,
-            Axis::TranslationY,
-            Axis::TranslationZ,
-            Axis::RotationX,
-            Axis::RotationY,
-            Axis::RotationZ,
-        ];
-        Joint::parallel(parent, origin_parent, axes.map(|axis| (axis, Spring::elastic(0.0, 0.0))).to_vec())
+        let axes = [Axis::along, Axis::about].into_iter().flat_map(|axis| DVec3::AXES.map(axis));
+        Joint::parallel(parent, origin_parent, axes.map(|axis| (axis, Spring::elastic(0.0, 0.0))).collect())
     }
 }
 
 /// A degree of freedom of a joint, along or about an axis of the joint frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
-    /// Translation along x.
-    TranslationX,
-    /// Translation along y.
-    TranslationY,
-    /// Translation along z.
-    TranslationZ,
-    /// Rotation about x.
-    RotationX,
-    /// Rotation about y.
-    RotationY,
-    /// Rotation about z.
-    RotationZ,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axis {
+    /// Unit vector in the frame of the joint.
+    pub direction: DVec3,
+    /// Whether this is a rotation about it.
+    pub turns: bool,
 }
 
 impl Axis {
-    /// Unit vector in the frame of the joint, and whether this is a rotation about it.
-    pub fn direction(self) -> (DVec3, bool) {
-        match self {
-            Axis::TranslationX => (DVec3::X, false),
-            Axis::TranslationY => (DVec3::Y, false),
-            Axis::TranslationZ => (DVec3::Z, false),
-            Axis::RotationX => (DVec3::X, true),
-            Axis::RotationY => (DVec3::Y, true),
-            Axis::RotationZ => (DVec3::Z, true),
-        }
+    /// Translation along this unit vector.
+    pub const fn along(direction: DVec3) -> Self {
+        Axis { direction, turns: false }
+    }
+
+    /// Rotation about this unit vector.
+    pub const fn about(direction: DVec3) -> Self {
+        Axis { direction, turns: true }
     }
 }
 

@@ -5,9 +5,9 @@ use rapier3d::prelude::*;
 use underbrush_recording::{BodyPart, Pose as WorldPose};
 
 use super::{ArmBodies, Engine, Mechanism, PlacedLink, Solid, collider};
-use crate::dynamics::{self, LinkOptions, Tree};
+use crate::dynamics::{Coordinate, Link, Tree};
 use crate::object::Object;
-use crate::object::structure::{Axis, Spring};
+use crate::object::structure::{Axis, Joint};
 use crate::{Arm, PhysicsOptions, Surface};
 
 mod description;
@@ -112,18 +112,14 @@ impl Rig {
     pub fn add_free(&mut self, free: &FreeBody) -> Option<BodyId> {
         let shape = collider(&free.part)?.mass(free.mass_kg);
         let mass = shape.build().mass_properties().transform_by(&shape.position);
-        let link = LinkOptions {
-            parent: 0,
-            joint_parent: free.pose_world,
-            mass_kg: free.mass_kg,
-            center_of_mass_link: mass.local_com,
-            inertia_link: mass.reconstruct_inertia_matrix(),
-        };
-        let axis =
-            |axis_joint, turns| dynamics::Axis { axis_joint, turns, spring: Spring::elastic(0.0, 0.0), stop: None };
-        let turning = DVec3::AXES.map(|own| axis(own, true)).into_iter().filter(|_| free.may_rotate);
+        let mut link = Link::new(0, free.pose_world);
+        link.mass_kg = free.mass_kg;
+        link.center_of_mass_link = mass.local_com;
+        link.inertia_link = mass.reconstruct_inertia_matrix();
+        let axes = Joint::free(0, DVec3::ZERO).free_axes.into_iter();
+        let axes = axes.filter(|(axis, _)| free.may_rotate || !axis.turns);
         let mut tree = Tree::new(WorldPose::IDENTITY, true);
-        tree.add(link, DVec3::AXES.map(|own| axis(own, false)).into_iter().chain(turning));
+        tree.add(link, axes.map(|(axis, spring)| Coordinate::new(axis, spring)));
         let velocity = free.pose_world.inverse_transform_vector(free.velocity_world);
         for (own, value) in tree.coordinates.iter_mut().zip(velocity.to_array()) {
             own.velocity = value;
@@ -191,7 +187,7 @@ impl Rig {
     fn find(&self, body: BodyId, axis: Axis) -> Option<(usize, usize)> {
         let PlacedLink { slot, link } = self.bodies[body.0];
         let tree = self.engine.tree(slot);
-        let is_axis = |own: &dynamics::Coordinate| (own.axis_joint, own.turns) == axis.direction();
+        let is_axis = |own: &Coordinate| (own.axis_joint, own.turns) == (axis.direction, axis.turns);
         Some((slot, tree.coordinates.iter().position(|own| own.link == link && is_axis(own))?))
     }
 

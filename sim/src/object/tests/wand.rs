@@ -58,7 +58,7 @@ impl Object for Wand {
         let center = DVec3::Z * (self.height_m / 2.0);
         let size_m = DVec3::new(2.0 * RADIUS_M, 2.0 * RADIUS_M, self.height_m);
         let rod = Body {
-            joint: Some(hinge(1, Axis::RotationY)),
+            joint: Some(hinge(1, Axis::about(DVec3::Y))),
             inertia: Inertia::of_box(MASS_KG, center, size_m),
             parts: vec![part(
                 BodyShape::Capsule { radius_m: RADIUS_M, length_m: self.height_m - 2.0 * RADIUS_M },
@@ -68,7 +68,7 @@ impl Object for Wand {
             ..Body::foot()
         };
         Structure {
-            bodies: vec![Body::foot(), Body::between_hinges(hinge(0, Axis::RotationX)), rod],
+            bodies: vec![Body::foot(), Body::between_hinges(hinge(0, Axis::about(DVec3::X))), rod],
             axisymmetric: true,
             surface: Surface::hard(crate::object::FRICTION),
         }

@@ -61,7 +61,7 @@ fn clamped_with(
 /// A body on one hinge about y.
 fn hinge(spring: Spring, engine: &mut Engine) -> Mechanism {
     let body = Body {
-        joint: Some(Joint::parallel(0, DVec3::ZERO, vec![(Axis::RotationY, spring)])),
+        joint: Some(Joint::parallel(0, DVec3::ZERO, vec![(Axis::about(DVec3::Y), spring)])),
         inertia: Inertia::of_box(0.01, DVec3::Z * 0.1, DVec3::splat(0.02)),
         ..Body::foot()
     };
@@ -218,7 +218,7 @@ fn a_falling_plate_reaches_its_final_speed() {
     let mut engine = Engine::new(OPTIONS);
     let (mass_kg, area_m2) = (0.002, 0.01);
     let plate = Body {
-        joint: Some(Joint::parallel(0, DVec3::ZERO, vec![(Axis::TranslationZ, Spring::elastic(0.0, 0.0))])),
+        joint: Some(Joint::parallel(0, DVec3::ZERO, vec![(Axis::along(DVec3::Z), Spring::elastic(0.0, 0.0))])),
         inertia: Inertia::of_box(mass_kg, DVec3::ZERO, DVec3::new(0.1, 0.1, 0.001)),
         drag: Some(Drag { area_m2, normal_body: DVec3::Z }),
         ..Body::foot()
