@@ -10,8 +10,6 @@ use crate::{Comparison, Falsification, Fault};
 /// One check.
 #[derive(Debug)]
 pub struct Check {
-    /// Its number. Checks are listed in this order.
-    pub number: u8,
     /// Its name on the command line.
     pub name: &'static str,
     /// What it shows, in one sentence.
@@ -138,7 +136,7 @@ pub fn judge(check: &Check, found: Vec<Found>, tolerance_scale: f64) -> Outcome 
     }
     let worst = comparisons.iter().map(|judged| judged.verdict).max();
     Outcome {
-        number: check.number,
+        number: check.number(),
         name: check.name,
         summary: check.summary,
         verdict: worst.filter(|_| errors.is_empty()).unwrap_or(Verdict::Fail),

@@ -17,7 +17,6 @@ mod thrown;
 
 /// Check 18.
 pub const CHECK: Check = Check {
-    number: 18,
     name: "contact-law",
     summary: "Bodies rest at the overlap of an elastic foundation whatever their mass, rebound as its loss says, and the \
               forearm has the same skin from wrist to elbow",

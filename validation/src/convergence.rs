@@ -10,7 +10,6 @@ use crate::{Case, Check, Comparison, Found, Simulated};
 
 /// Check 13. Its falsifications add errors that do not fall with the step or the number of hinges.
 pub const CHECK: Check = Check {
-    number: 13,
     name: "convergence",
     summary: "Errors are second order in the time step where it resolves all springs and first order elsewhere, and fall with the number of hinges at the order of their quadrature",
     cases: &[

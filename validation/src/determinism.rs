@@ -10,7 +10,6 @@ use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 15.
 pub const CHECK: Check = Check {
-    number: 15,
     name: "determinism",
     summary: "Reaches have the same bytes in every run and on any number of threads; a copied simulation, and one that was \
               saved and loaded, continue exactly as the original",

@@ -12,7 +12,6 @@ use crate::{Case, Check, Comparison, Falsification, Found, Simulated};
 
 /// Check 11.
 pub const CHECK: Check = Check {
-    number: 11,
     name: "foam",
     summary: "Foam blocks and rolls behave as bars of a standard linear solid, and never give back more work than was put in",
     cases: &[

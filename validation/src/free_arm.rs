@@ -11,7 +11,6 @@ use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 8.
 pub const CHECK: Check = Check {
-    number: 8,
     name: "free-arm",
     summary: "The free arm, without springs, dampers, gravity or contacts, conserves energy; with springs and dampers it never gains any",
     cases: &[

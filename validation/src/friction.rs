@@ -14,7 +14,6 @@ use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 7.
 pub const CHECK: Check = Check {
-    number: 7,
     name: "friction",
     summary: "A box slips at a slope of atan μ and slides with Coulomb friction; the shear on a taxel never exceeds μ times its normal force",
     cases: &[

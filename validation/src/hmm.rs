@@ -11,7 +11,6 @@ use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 17.
 pub const CHECK: Check = Check {
-    number: 17,
     name: "hmm",
     summary: "Forward scores equal the sum over all paths; training never lowers the likelihood and recovers known parameters",
     cases: &[

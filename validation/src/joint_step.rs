@@ -10,7 +10,6 @@ use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 9.
 pub const CHECK: Check = Check {
-    number: 9,
     name: "joint-step",
     summary: "A step of a compliant joint's equilibrium angle gives the second-order response",
     cases: &[Case { compare, falsifications: &[STIFF_JOINT] }],

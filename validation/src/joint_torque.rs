@@ -12,7 +12,6 @@ use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 6.
 pub const CHECK: Check = Check {
-    number: 6,
     name: "joint-torque",
     summary: "At rest, the joint springs balance the contact forces: K (φ − q) = −Σ Jᵀ f",
     cases: &[Case { compare, falsifications: &[STIFF_JOINTS] }],

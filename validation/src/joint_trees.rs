@@ -23,7 +23,6 @@ use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 20.
 pub const CHECK: Check = Check {
-    number: 20,
     name: "joint-trees",
     summary: "The arm and every object move as Rapier's multibodies do",
     cases: &[Case { compare, falsifications: &[HEAVY_LINKS, STRONG_GRAVITY] }],

@@ -10,7 +10,6 @@ use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 1.
 pub const SMALL_LOAD: Check = Check {
-    number: 1,
     name: "leaf-small-load",
     summary: "A small load at the tip bends a leaf like a beam; a load lower down bends it like the discrete chain of hinges",
     cases: &[
@@ -21,7 +20,6 @@ pub const SMALL_LOAD: Check = Check {
 
 /// Check 2.
 pub const LARGE_DEFLECTION: Check = Check {
-    number: 2,
     name: "leaf-large-deflection",
     summary: "A leaf under a large load follows the elastica, and an end moment bends it into a circular arc",
     cases: &[Case { compare: large_deflection, falsifications: &[STIFF_BLADE] }],

@@ -12,7 +12,6 @@ use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 3.
 pub const CHECK: Check = Check {
-    number: 3,
     name: "leaf-vibration",
     summary: "A plucked leaf vibrates at the first frequency of a clamped beam and decays according to its loss factor",
     cases: &[

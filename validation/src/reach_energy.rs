@@ -8,7 +8,6 @@ use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 12.
 pub const CHECK: Check = Check {
-    number: 12,
     name: "reach-energy",
     summary: "Over a whole reach, the work of the actuators equals the energy stored in the arm plus the losses in dampers, \
               contacts and integrator",

@@ -11,7 +11,6 @@ use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 4.
 pub const CHECK: Check = Check {
-    number: 4,
     name: "resting-load",
     summary: "A ball, a box and a capsule at rest press on the ground with their own weight",
     cases: &[Case { compare, falsifications: &[HEAVY_BODY] }],

@@ -8,7 +8,6 @@ use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 16.
 pub const CHECK: Check = Check {
-    number: 16,
     name: "sensor",
     summary: "The sensor's noise, quantization, delay, crosstalk, creep and hysteresis match its parameters",
     cases: &[

@@ -14,7 +14,6 @@ use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 14.
 pub const CHECK: Check = Check {
-    number: 14,
     name: "series-pushing",
     summary: "Pushing force follows the series stiffness of arm, contact and object",
     cases: &[

@@ -11,7 +11,6 @@ use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 5.
 pub const CHECK: Check = Check {
-    number: 5,
     name: "skin-forces",
     summary: "Taxel forces add up to the solver's force and moment and stay in their friction cones; colliding bodies \
               exchange equal and opposite momentum",

@@ -16,7 +16,6 @@ use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 10.
 pub const CHECK: Check = Check {
-    number: 10,
     name: "skin-layer",
     summary: "A ball on flat skin and a trunk across the forearm are pressed in as deep as Winkler's foundation predicts",
     cases: &[

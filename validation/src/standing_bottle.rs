@@ -13,7 +13,6 @@ use crate::{Case, Check, Comparison, Falsification, Found, Simulated};
 
 /// Check 19.
 pub const CHECK: Check = Check {
-    number: 19,
     name: "standing-bottle",
     summary: "A water bottle resists with μ m g while it slides, and tips over when it is pushed with its tipping moment",
     cases: &[
