@@ -85,7 +85,7 @@ pub fn slide(case: &Case, step_s: f64) -> Value {
     let mut before = velocity;
     let mut forces = Vec::new();
     for _ in 0..(WAY_M / case.speed_m_per_s / step_s).round() as usize {
-        rig.load(forearm, weight, rig.center_of_mass_world(forearm), DVec3::ZERO);
+        rig.push(forearm, weight, rig.center_of_mass_world(forearm), DVec3::ZERO);
         rig.step();
         let after = rig.velocity_world(forearm);
         forces.push(((after - before) * (MASS_KG / step_s)).to_array());

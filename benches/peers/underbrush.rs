@@ -161,7 +161,7 @@ fn rig(sweep: &Sweep, options: PhysicsOptions) -> (Rig, Vec<BodyId>, Vec<Vec<Bod
 fn push(rig: &mut Rig, body: BodyId, force_world: DVec3, point_body: DVec3, steps: usize) -> DVec3 {
     for _ in 0..steps {
         let point = rig.pose_world(body).transform_point(point_body);
-        rig.load(body, force_world, point, DVec3::ZERO);
+        rig.push(body, force_world, point, DVec3::ZERO);
         rig.step();
     }
     rig.pose_world(body).transform_point(point_body)

@@ -61,7 +61,7 @@ impl ClampedLeaf {
     /// One step with a force, N, and a moment, Nm, on the tip.
     pub fn step(&mut self, force_world: DVec3, moment_world: DVec3) {
         let tip = self.tip();
-        self.rig.load(self.last, force_world, tip, moment_world);
+        self.rig.push(self.last, force_world, tip, moment_world);
         self.rig.step();
     }
 
@@ -90,7 +90,7 @@ impl ClampedLeaf {
         let place = |rig: &Rig| rig.pose_world(body).transform_point(point_body);
         let rest = at_rest(|_| {
             let point = place(&self.rig);
-            self.rig.load(body, force_world, point, DVec3::ZERO);
+            self.rig.push(body, force_world, point, DVec3::ZERO);
             self.rig.step();
             (DVec3::X * place(&self.rig).x, true)
         });
@@ -107,12 +107,9 @@ impl ClampedLeaf {
             let center = self.rig.center_of_mass_world(*body);
             let mode = beam::first_mode(center.z / LENGTH_M);
             let force = DVec3::X * (self.rig.mass_kg(*body) * mode * push_m_per_s / step_s);
-            self.rig.load(*body, force, center, DVec3::ZERO);
+            self.rig.push(*body, force, center, DVec3::ZERO);
         }
         self.rig.step();
-        for body in &self.bodies {
-            self.rig.load(*body, DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
-        }
         (0..(seconds / step_s).round() as usize)
             .map(|_| {
                 self.rig.step();

@@ -78,7 +78,7 @@ impl Pushed {
 
     fn step(&mut self, force_n: f64) {
         let point = self.rig.center_of_mass_world(self.bottle).with_z(self.height_m);
-        self.rig.load(self.bottle, DVec3::X * force_n, point, DVec3::ZERO);
+        self.rig.push(self.bottle, DVec3::X * force_n, point, DVec3::ZERO);
         self.rig.step();
     }
 

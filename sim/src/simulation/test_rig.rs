@@ -61,20 +61,12 @@ impl FreeBody {
 pub struct Rig {
     engine: Engine,
     bodies: Vec<PlacedLink>,
-    loads: Vec<Load>,
-}
-
-/// A force on a body at its centre of mass, N, and a moment, Nm, world frame.
-struct Load {
-    body: BodyId,
-    force_world: DVec3,
-    moment_world: DVec3,
 }
 
 impl Rig {
     /// An empty rig.
     pub fn new(options: PhysicsOptions) -> Self {
-        Rig { engine: Engine::new(options), bodies: Vec::new(), loads: Vec::new() }
+        Rig { engine: Engine::new(options), bodies: Vec::new() }
     }
 
     /// Step and solver options.
@@ -147,12 +139,6 @@ impl Rig {
 
     /// Makes one engine step.
     pub fn step(&mut self) {
-        for Load { body, force_world, moment_world } in &self.loads {
-            let PlacedLink { slot, link } = self.bodies[body.0];
-            let tree = self.engine.tree_mut(slot);
-            let center = tree.center_of_mass_world(link);
-            tree.push(link, *force_world, center, *moment_world);
-        }
         self.engine.step();
     }
 
@@ -215,12 +201,13 @@ impl Rig {
         self.engine.tree(slot).links()[link].mass_kg
     }
 
-    /// Sets the external force on a body, N, acting at a point (m, world frame), and the external moment, Nm. Both stay
-    /// until they are set again.
-    pub fn load(&mut self, body: BodyId, force_world: DVec3, point_world: DVec3, moment_world: DVec3) {
-        self.loads.retain(|load| load.body != body);
-        let moment_world = moment_world + (point_world - self.center_of_mass_world(body)).cross(force_world);
-        self.loads.push(Load { body, force_world, moment_world });
+    /// Adds an external force on a body, N, acting at a point (m, world frame), and an external moment, Nm, for the next
+    /// step.
+    pub fn push(&mut self, body: BodyId, force_world: DVec3, point_world: DVec3, moment_world: DVec3) {
+        let PlacedLink { slot, link } = self.bodies[body.0];
+        let tree = self.engine.tree_mut(slot);
+        let center = tree.center_of_mass_world(link);
+        tree.push(link, force_world, center, moment_world + (point_world - center).cross(force_world));
     }
 
     /// Sum of the normal forces on a body in the last step, N.

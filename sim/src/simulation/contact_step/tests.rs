@@ -34,7 +34,7 @@ fn a_light_body_under_load_stays_on_a_thin_plate() {
         })
         .unwrap();
     for _ in 0..100 {
-        rig.load(ball, DVec3::Z * -5.0, rig.center_of_mass_world(ball), DVec3::ZERO);
+        rig.push(ball, DVec3::Z * -5.0, rig.center_of_mass_world(ball), DVec3::ZERO);
         rig.step();
     }
     assert!((rig.pressing_force_n(ball) - 5.0).abs() < 1e-4, "{} N", rig.pressing_force_n(ball));
@@ -129,10 +129,9 @@ fn a_leaf_that_is_let_go_does_not_swing_through_another() {
             let bent = tip(rig.add_object_at(&leaf, foot_world, 0.04 * f64::from(case)));
             for step in 0..200 {
                 let force_n = load_n * (f64::from(step) / 140.0).min(1.0);
-                rig.load(bent, DVec3::X * -force_n, rig.center_of_mass_world(bent), DVec3::ZERO);
+                rig.push(bent, DVec3::X * -force_n, rig.center_of_mass_world(bent), DVec3::ZERO);
                 rig.step();
             }
-            rig.load(bent, DVec3::ZERO, rig.center_of_mass_world(bent), DVec3::ZERO);
             for _ in 0..120 {
                 rig.step();
                 let beside = rig.pose_world(still).inverse_transform_point(rig.center_of_mass_world(bent));
