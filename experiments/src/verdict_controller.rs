@@ -15,7 +15,7 @@ use underbrush_sim::controller::{
     Allowance, AllowedForces, Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact, Touched,
     Verdict,
 };
-use underbrush_sim::reach::{PlannedController, ReachPlan};
+use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
 /// The suffix of the name of a controller with the verdicts of a touch model.
@@ -153,7 +153,7 @@ impl VerdictControl {
     /// # Errors
     /// [`Fault`] if the controller uses no contacts, or the arm's skin lacks the model's patch.
     pub fn applied_to(&self, mut plan: ReachPlan) -> Result<ReachPlan, Fault> {
-        if let PlannedController::Shipped(ControllerKind::Blind, _) = plan.controller {
+        if let Some((ControllerKind::Blind, _)) = plan.controller.shipped {
             let text = "the controller blind ignores all contacts and so all verdicts; choose another controller";
             return Err(Fault::Usage(text.into()));
         }

@@ -9,7 +9,7 @@ use back_off::{End, Way};
 pub use error::ReachError;
 use log::ReachLog;
 use monitor::Monitor;
-pub use plan::{MakeController, PlannedController, ReachPlan, WrapController};
+pub use plan::{MakeController, PlannedController, ReachPlan};
 pub use rules::ReachRules;
 pub use so_far::ReachSoFar;
 pub(crate) use steering::Steering;

@@ -45,48 +45,30 @@ pub struct ReachPlan {
 /// A function that makes a controller for an arm.
 pub type MakeController = Arc<dyn Fn(&Arm) -> Box<dyn Controller> + Send + Sync>;
 
-/// A function that wraps a controller in another one, which may see frames and change the input of the inner one.
-pub type WrapController = Arc<dyn Fn(Box<dyn Controller>) -> Box<dyn Controller> + Send + Sync>;
-
-/// The controller of a plan.
+/// The controller of a plan. It is made afresh for every reach, because reaches run in parallel and a controller may keep
+/// state.
 #[derive(Clone)]
-pub enum PlannedController {
-    /// A controller that ships, with its parameters.
-    Shipped(ControllerKind, Preset),
-    /// Another planned controller, wrapped in a user's own one.
-    Wrapped(Box<PlannedController>, WrapController),
-    /// A user's own controller. It is made afresh for every reach, because reaches run in parallel and a controller may
-    /// keep state.
-    Own(MakeController),
+pub struct PlannedController {
+    /// Which of the controllers that ship it is, with its parameters, or which of them is wrapped; `None` for a user's own.
+    pub shipped: Option<(ControllerKind, Preset)>,
+    make: MakeController,
 }
 
 impl fmt::Debug for PlannedController {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            PlannedController::Shipped(kind, preset) => f.debug_tuple("Shipped").field(kind).field(preset).finish(),
-            PlannedController::Wrapped(inner, _) => f.debug_tuple("Wrapped").field(inner).finish(),
-            PlannedController::Own(_) => f.write_str("Own"),
-        }
+        f.debug_struct("PlannedController").field("shipped", &self.shipped).finish_non_exhaustive()
     }
 }
 
 impl PlannedController {
     /// The parameters of a controller that ships.
     pub fn preset(&self) -> Option<&Preset> {
-        match self {
-            PlannedController::Shipped(_, preset) => Some(preset),
-            PlannedController::Wrapped(inner, _) => inner.preset(),
-            PlannedController::Own(_) => None,
-        }
+        self.shipped.as_ref().map(|(_, preset)| preset)
     }
 
     /// A controller for one reach of this arm.
     pub fn make(&self, arm: &Arm) -> Box<dyn Controller> {
-        match self {
-            PlannedController::Shipped(kind, preset) => kind.controller(preset.clone(), arm),
-            PlannedController::Wrapped(inner, wrap) => wrap(inner.make(arm)),
-            PlannedController::Own(make) => make(arm),
-        }
+        (self.make)(arm)
     }
 }
 
@@ -125,14 +107,16 @@ impl ReachPlan {
         let mut rules = ReachRules::published_with(kind);
         rules.progress = scene.file.goals.progress.unwrap_or(rules.progress);
         rules = scene.file.goals.patience_s.map_or(rules, |patience_s| rules.watched_for(patience_s));
-        let controller = PlannedController::Shipped(kind, preset);
+        let own = preset.clone();
+        let make = Arc::new(move |arm: &Arm| kind.controller(own.clone(), arm));
+        let controller = PlannedController { shipped: Some((kind, preset)), make };
         Ok(ReachPlan { scene, arm, controller, has_true_verdicts: false, rules, seed })
     }
 
     /// The same plan with a user's own controller, which `make` makes for the plan's arm at the start of every reach.
     /// Scale factors on the hand's speed and on the allowed force do not apply to it.
     pub fn with_controller(mut self, make: impl Fn(&Arm) -> Box<dyn Controller> + Send + Sync + 'static) -> ReachPlan {
-        self.controller = PlannedController::Own(Arc::new(make));
+        self.controller = PlannedController { shipped: None, make: Arc::new(make) };
         self
     }
 
@@ -142,7 +126,8 @@ impl ReachPlan {
         mut self,
         wrap: impl Fn(Box<dyn Controller>) -> Box<dyn Controller> + Send + Sync + 'static,
     ) -> ReachPlan {
-        self.controller = PlannedController::Wrapped(Box::new(self.controller), Arc::new(wrap));
+        let make = self.controller.make;
+        self.controller.make = Arc::new(move |arm: &Arm| wrap(make(arm)));
         self
     }
 
