@@ -4,37 +4,22 @@
 //! the leaves beside it. Boxes that are parallel to the shapes' own axes rule out more of them, at a low cost.
 
 use glam::{DMat3, DVec3};
-use rapier3d::prelude::Shape;
-use serde::{Deserialize, Serialize};
+use rapier3d::parry::bounding_volume::Aabb;
 
-/// A box around a shape, parallel to the axes of the shape's frame.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(super) struct Bounds {
-    pub(super) center: DVec3,
-    pub(super) half_extents: DVec3,
-}
-
-impl Bounds {
-    pub(super) fn of(shape: &dyn Shape) -> Self {
-        let aabb = shape.compute_local_aabb();
-        Bounds { center: aabb.center(), half_extents: aabb.half_extents() }
-    }
-}
-
-/// A lower bound on the distance of two boxes, m: the largest distance along the normals of their faces. Each box has the
-/// position and the axes of its shape, world frame.
+/// A lower bound on the distance of two boxes, m: the largest distance along the normals of their faces. Each box is
+/// parallel to the axes of its shape's frame, and has the position and the axes of that frame, world frame.
 pub(super) fn distance_at_least_m(
-    (first, first_position, first_axes): (Bounds, DVec3, DMat3),
-    (second, second_position, second_axes): (Bounds, DVec3, DMat3),
+    (first, first_position, first_axes): (Aabb, DVec3, DMat3),
+    (second, second_position, second_axes): (Aabb, DVec3, DMat3),
 ) -> f64 {
     let to_first = first_axes.transpose();
     let rotation = to_first * second_axes;
-    let between = second_position + second_axes * second.center - first_position - first_axes * first.center;
+    let between = second_position + second_axes * second.center() - first_position - first_axes * first.center();
     let between = to_first * between;
     let absolute = DMat3::from_cols(rotation.x_axis.abs(), rotation.y_axis.abs(), rotation.z_axis.abs());
-    let along_first = between.abs() - first.half_extents - absolute * second.half_extents;
+    let along_first = between.abs() - first.half_extents() - absolute * second.half_extents();
     let along_second =
-        (rotation.transpose() * between).abs() - second.half_extents - absolute.transpose() * first.half_extents;
+        (rotation.transpose() * between).abs() - second.half_extents() - absolute.transpose() * first.half_extents();
     along_first.max_element().max(along_second.max_element())
 }
 
@@ -63,7 +48,7 @@ mod tests {
             let capsule = SharedShape::capsule_y(0.1, 0.05);
             let cuboid = SharedShape::cuboid(half[0], half[1], half[2]);
             let side = |shape: &SharedShape, pose: &Pose| {
-                (Bounds::of(shape.as_ref()), pose.position, DMat3::from_quat(pose.orientation))
+                (shape.compute_local_aabb(), pose.position, DMat3::from_quat(pose.orientation))
             };
             let poses = [Pose::IDENTITY, Pose::new(place, DQuat::from_scaled_axis(turn))];
             let found = distance_at_least_m(side(&capsule, &poses[0]), side(&cuboid, &poses[1]));

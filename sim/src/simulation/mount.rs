@@ -1,10 +1,10 @@
 //! A shape in the scene: what carries it, and where it is.
 
 use glam::{DMat3, DVec3};
+use rapier3d::parry::bounding_volume::Aabb;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Pose as WorldPose;
 
-use super::bounds::Bounds;
 use crate::contact::surface::Surface;
 
 /// How far a shape may move before the pairs are found anew, m. Choice: the way of the hand in five frames at 0.2 m/s. A
@@ -38,7 +38,8 @@ pub(super) struct Mount {
     /// Whether its link can move.
     pub(super) moves: bool,
     pub(super) pose_link: WorldPose,
-    pub(super) bounds: Bounds,
+    /// A box around it, parallel to the axes of its own frame.
+    pub(super) bounds: Aabb,
     /// Where it was when the pairs were found: the middle and the axes of its box, and its extent along the axes of the
     /// world, m.
     pub(super) found_center: DVec3,
@@ -69,14 +70,14 @@ impl Mount {
     }
 
     pub(super) fn center(&self) -> DVec3 {
-        self.pose_world.position + self.axes_world * self.bounds.center
+        self.pose_world.position + self.axes_world * self.bounds.center()
     }
 
     /// Whether a point of the shape may have moved by more than `ROOM_M` since the pairs were found, with what its way in the
     /// step exceeds [`NEAR_M`] by. The bound is the displacement of the centre of its box plus those of the ends of the box's
     /// three half axes.
     pub(super) fn has_left_its_room(&self) -> bool {
-        let half = self.bounds.half_extents;
+        let half = self.bounds.half_extents();
         let [x, y, z] =
             [0, 1, 2].map(|axis| self.axes_world.col(axis).distance(self.found_axes.col(axis)) * half[axis]);
         let moved_m = self.center().distance(self.found_center) + x + y + z;

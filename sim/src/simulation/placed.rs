@@ -9,7 +9,6 @@ use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Pose as WorldPose;
 
-use super::bounds::Bounds;
 pub(super) use super::mount::PlacedLink;
 use super::mount::{Mount, NEAR_M, ROOM_M, excess_m, gaps_m};
 use crate::contact::surface::Surface;
@@ -130,7 +129,7 @@ impl Scene {
                 built_extent: [DVec3::ZERO; 2],
                 moves: tree.moves(link),
                 pose_link: inserted.position_wrt_parent().map_or(WorldPose::IDENTITY, from_parry),
-                bounds: Bounds::of(inserted.shape()),
+                bounds: inserted.shape().compute_local_aabb(),
                 found_center: DVec3::ZERO,
                 found_axes: DMat3::IDENTITY,
                 found_extent: [DVec3::ZERO; 2],
@@ -287,7 +286,7 @@ impl Scene {
         for mount in self.mounts.iter_mut().flatten().filter(|mount| mount.moves) {
             if let Some(placed) = &self.placed[mount.at.slot] {
                 mount.place(&placed.tree.links()[mount.at.link].pose_world);
-                mount.way_m = placed.tree.way_m(mount.at.link, mount.center(), mount.bounds.half_extents.length());
+                mount.way_m = placed.tree.way_m(mount.at.link, mount.center(), mount.bounds.half_extents().length());
             }
             has_left |= mount.has_left_its_room();
         }

@@ -12,7 +12,7 @@ use crate::physics::{ENGINE, PhysicsOptions};
 const MAGIC: &[u8; 16] = b"underbrush state";
 
 /// Raised when what a state holds changes, because its encoding does not describe itself.
-const FORMAT: u32 = 6;
+const FORMAT: u32 = 7;
 
 /// Length of a BLAKE3 hash, bytes.
 const HASH: usize = blake3::OUT_LEN;
