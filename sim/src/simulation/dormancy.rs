@@ -4,7 +4,7 @@ use rapier3d::parry::bounding_volume::BoundingVolume;
 use rapier3d::parry::query::distance;
 use rapier3d::prelude::ColliderHandle;
 
-use super::{DormancyBuffers, Mechanism, Model, Mover, World};
+use super::{Contact, DormancyBuffers, Mechanism, Model, Mover, World};
 use crate::geometry::parry_pose;
 
 /// A dormant object is put into the engine when a moving shape comes within this distance, m: the distance covered in a
@@ -15,13 +15,13 @@ const SLEEP_MARGIN_M: f64 = 0.005;
 
 impl World {
     /// Takes out every object that rests while nothing moves near it, and puts in every dormant object that something
-    /// moving has come near to.
-    pub(super) fn rest_and_wake(&mut self, model: &Model) {
+    /// moving has come near to. `contacts` are those of the frame.
+    pub(super) fn rest_and_wake(&mut self, model: &Model, contacts: &[Contact]) {
         let mut buffers = std::mem::take(&mut self.dormancy);
         let DormancyBuffers { movers, near } = &mut buffers;
         movers.clear();
         movers.extend(self.movers());
-        self.retire(model, movers);
+        self.retire(model, contacts, movers);
         self.wake(model, movers, near);
         self.dormancy = buffers;
     }
@@ -45,7 +45,7 @@ impl World {
         }
     }
 
-    fn retire(&mut self, model: &Model, movers: &[Mover]) {
+    fn retire(&mut self, model: &Model, contacts: &[Contact], movers: &[Mover]) {
         for index in 0..self.mechanisms.len() {
             let resting = self.mechanisms[index]
                 .is_some_and(|mechanism| mechanism.is_movable(&self.engine) && mechanism.is_at_rest(&self.engine));
@@ -53,7 +53,7 @@ impl World {
             let objects = &model.assemblies[index].objects;
             let is_near = |mover| objects.iter().any(|object| self.is_near(model, mover, *object, SLEEP_MARGIN_M));
             if resting
-                && !self.contacts.iter().filter_map(|contact| contact.object).any(|object| objects.contains(&object))
+                && !contacts.iter().filter_map(|contact| contact.object).any(|object| objects.contains(&object))
                 && !movers.iter().any(is_near)
                 && let Some(mechanism) = self.mechanisms[index].take()
             {

@@ -133,7 +133,7 @@ impl Simulation {
         assert_eq!(angles, joints, "{angles} equilibrium angles for {joints} joints");
         let are_finite = equilibrium_angle_rad.iter().all(|angle| angle.is_finite());
         assert!(are_finite, "equilibrium angles {equilibrium_angle_rad:?}, which are not all finite");
-        state.world.advance_frame(model, equilibrium_angle_rad, observer);
+        state.world.advance_frame(model, equilibrium_angle_rad, &mut state.report, observer);
         state.equilibrium_angle_rad.copy_from_slice(equilibrium_angle_rad);
         state.report.frame += 1;
         state.write_report(model);
@@ -258,8 +258,6 @@ impl State {
                 None => {}
             }
         }
-        report.contacts.clear();
-        report.contacts.extend_from_slice(&world.contacts);
-        sense::sense(world, model, sensor, buffers, &mut report.tactile);
+        sense::sense(world, model, &report.contacts, sensor, buffers, &mut report.tactile);
     }
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use rapier3d::prelude::ColliderHandle;
 use underbrush_recording::TaxelReading;
 
-use super::{ContactPair, Model, TactileFrame, World, entry};
+use super::{Contact, ContactPair, Model, TactileFrame, World, entry};
 use crate::sensor::Sensor;
 use crate::skin::{ContactPoint, SpreadBuffers, TaxelForce};
 
@@ -84,11 +84,12 @@ pub(super) struct SenseBuffers {
     wrenches: Vec<PatchWrenches>,
 }
 
-/// Writes what the skin feels in the present world into `tactile`, and samples the sensor once. The contents of
+/// Writes what the skin feels of the contacts of a frame at its end into `tactile`, and samples the sensor once. The contents of
 /// `buffers` do not matter.
 pub(super) fn sense(
     world: &World,
     model: &Model,
+    contacts: &[Contact],
     sensor: &mut Sensor,
     buffers: &mut SenseBuffers,
     tactile: &mut TactileFrame,
@@ -102,7 +103,7 @@ pub(super) fn sense(
     wrenches.clear();
     wrenches.resize(patches.len(), PatchWrenches::default());
     touches.clear();
-    for (number, (contact, collider)) in world.contacts.iter().zip(&world.contact_colliders).enumerate() {
+    for (number, (contact, collider)) in contacts.iter().zip(&world.contact_colliders).enumerate() {
         let pose = world.link_pose(contact.link);
         let point = contact.in_link_frame(&pose);
         let patch = patches.iter().position(|patch| patch.link == contact.link && patch.covers(&point));

@@ -5,7 +5,9 @@ use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Pose};
 
-use super::{ArmBodies, Assembly, Contact, Engine, JointState, Mechanism, Model, PlacedLink, StepObserver, StepReport};
+use super::{
+    ArmBodies, Assembly, Contact, Engine, FrameReport, Mechanism, Model, PlacedLink, StepObserver, StepReport,
+};
 use crate::object::COLLIDING_KINDS;
 use crate::physics::PhysicsOptions;
 
@@ -31,16 +33,10 @@ pub(super) struct DormancyBuffers {
 pub(super) struct World {
     pub(super) engine: Engine,
     pub(super) arm: ArmBodies,
-    /// The contacts of the last frame, and the collision shape of the object in each.
-    pub(super) contacts: Vec<Contact>,
+    /// The collision shape of the object in each contact of the last frame.
     pub(super) contact_colliders: Vec<ColliderHandle>,
     /// The assemblies of objects; `None` for a dormant one.
     pub(super) mechanisms: Vec<Option<Mechanism>>,
-    /// The state of the arm for observers of the steps.
-    #[serde(skip)]
-    joints: Vec<JointState>,
-    #[serde(skip)]
-    link_pose_world: Vec<Pose>,
     #[serde(skip)]
     pub(super) dormancy: DormancyBuffers,
 }
@@ -59,46 +55,45 @@ impl World {
         let mut world = World {
             engine,
             arm,
-            contacts: Vec::new(),
             contact_colliders: Vec::new(),
             mechanisms: model.assemblies.iter().map(|_| None).collect(),
-            joints: Vec::new(),
-            link_pose_world: Vec::new(),
             dormancy: DormancyBuffers::default(),
         };
         for index in 0..model.assemblies.len() {
             world.insert(model, index);
         }
         if model.dormancy {
-            world.rest_and_wake(model);
+            world.rest_and_wake(model, &[]);
         }
         world
     }
 
-    /// Advances by one frame with the arm's equilibrium angles at `equilibrium_angle_rad`.
+    /// Advances by one frame with the arm's equilibrium angles at `equilibrium_angle_rad`, and writes its contacts into the
+    /// report. An observer sees the arm there after each step.
     pub(super) fn advance_frame(
         &mut self,
         model: &Model,
         equilibrium_angle_rad: &[f64],
+        report: &mut FrameReport,
         mut observer: Option<&mut StepObserver>,
     ) {
-        self.contacts.clear();
+        report.contacts.clear();
         self.contact_colliders.clear();
         let steps = (FRAME_PERIOD_S / self.engine.options.step_s).round() as usize;
         for _ in 0..steps {
             self.arm.set_equilibrium(&model.arm, equilibrium_angle_rad, &mut self.engine);
             self.engine.step();
-            let earlier = self.contacts.len();
-            self.gather_contacts(model);
+            let earlier = report.contacts.len();
+            self.gather_contacts(model, &mut report.contacts);
             if let Some(observer) = observer.as_deref_mut() {
-                self.arm.read_joints(&self.engine, &mut self.joints);
-                self.arm.read_link_poses(&self.engine, &mut self.link_pose_world);
+                self.arm.read_joints(&self.engine, &mut report.joints);
+                self.arm.read_link_poses(&self.engine, &mut report.link_pose_world);
                 observer(&StepReport {
                     arm: &model.arm,
                     physics: self.engine.options,
-                    joints: &self.joints,
-                    link_pose_world: &self.link_pose_world,
-                    contacts: &self.contacts[earlier..],
+                    joints: &report.joints,
+                    link_pose_world: &report.link_pose_world,
+                    contacts: &report.contacts[earlier..],
                     theta: self.engine.tree(self.arm.slot).theta(),
                     contact_residual: self.engine.contact_step.convergence.residual,
                     missed_overlap_m: self.engine.contact_step.missed_overlap_m,
@@ -106,7 +101,7 @@ impl World {
             }
         }
         if model.dormancy {
-            self.rest_and_wake(model);
+            self.rest_and_wake(model, &report.contacts);
         }
     }
 
@@ -133,7 +128,7 @@ impl World {
     }
 
     /// Adds the contacts of the last step between arm and objects, and of the arm with itself.
-    fn gather_contacts(&mut self, model: &Model) {
+    fn gather_contacts(&mut self, model: &Model, contacts: &mut Vec<Contact>) {
         for contact in &self.engine.contact_step.contacts {
             let links = contact.colliders.map(|collider| self.arm.link_of(&self.engine, collider));
             for (side, link) in links.iter().enumerate() {
@@ -146,7 +141,7 @@ impl World {
                     },
                 };
                 let sign = if side == 0 { 1.0 } else { -1.0 };
-                self.contacts.push(Contact {
+                contacts.push(Contact {
                     link,
                     object,
                     body,
