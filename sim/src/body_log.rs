@@ -35,23 +35,13 @@ impl BodyLog {
     /// The bodies of a simulation at its start.
     pub fn new(simulation: &Simulation) -> Self {
         let mut bodies = link_bodies(simulation.arm(), &simulation.report().link_pose_world);
-        let mut places = Vec::new();
-        for object in 0..simulation.clutter().objects.len() {
-            let rest = simulation.rest_pose_world(object).iter();
-            for (number, (body, pose)) in simulation.structure(object).bodies.iter().zip(rest).enumerate() {
-                // A body without a shape can be neither touched nor drawn.
-                if body.parts.is_empty() {
-                    continue;
-                }
-                places.push((object, number));
-                bodies.push(Body {
-                    owner: BodyOwner::Object(object as u16),
-                    parts: body.parts.clone(),
-                    rest_pose_world: *pose,
-                    track: Vec::new(),
-                });
-            }
-        }
+        let places = simulation.recorded_bodies().to_vec();
+        bodies.extend(places.iter().map(|(object, body)| Body {
+            owner: BodyOwner::Object(*object as u16),
+            parts: simulation.structure(*object).bodies[*body].parts.clone(),
+            rest_pose_world: simulation.rest_pose_world(*object)[*body],
+            track: Vec::new(),
+        }));
         BodyLog { last_world: vec![None; bodies.len()], bodies, places }
     }
 

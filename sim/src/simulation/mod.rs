@@ -163,7 +163,10 @@ impl Simulation {
             contact_force_world: report.tactile.contact_force_world.clone(),
             taxels: report.tactile.taxels.clone(),
             contact_points: contact_points(report, |contact| match contact.object {
-                Some(object) => self.model.recorded_bodies[object][contact.body],
+                Some(object) => {
+                    let earlier = self.recorded_bodies().partition_point(|own| *own < (object, contact.body));
+                    (self.arm().links.len() + earlier) as u16
+                }
                 None => contact.body as u16,
             }),
         }
@@ -187,6 +190,12 @@ impl Simulation {
     /// Poses of the bodies of an object at rest, world frame.
     pub fn rest_pose_world(&self, object: usize) -> &[Pose] {
         &self.model.rest_pose_world[object]
+    }
+
+    /// The bodies of objects that a recording holds after the links: each an object and the index of its body, in order. A
+    /// body without a shape can be neither touched nor drawn, so it is not among them.
+    pub fn recorded_bodies(&self) -> &[(usize, usize)] {
+        &self.model.recorded_bodies
     }
 
     /// Step and solver options.

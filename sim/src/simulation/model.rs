@@ -9,7 +9,7 @@ use underbrush_recording::Pose;
 
 use super::mechanism::foot_pose;
 use crate::geometry::parry_pose;
-use crate::object::structure::{Body, Structure};
+use crate::object::structure::Structure;
 use crate::skin::SkinPatch;
 use crate::{Arm, Clutter, PlacedObject};
 
@@ -23,8 +23,8 @@ pub(super) struct Model {
     /// Objects that move as one tree, and of each object its assembly and its links there.
     pub(super) assemblies: Vec<Assembly>,
     pub(super) place_in_assembly: Vec<(usize, Range<usize>)>,
-    /// The index of each object's bodies in a recording, which has the links first and only bodies with shapes.
-    pub(super) recorded_bodies: Vec<Vec<u16>>,
+    /// See [`super::Simulation::recorded_bodies`].
+    pub(super) recorded_bodies: Vec<(usize, usize)>,
     /// Poses at rest of each object's bodies, world frame.
     pub(super) rest_pose_world: Vec<Vec<Pose>>,
     /// Each object at rest as a box.
@@ -48,12 +48,16 @@ impl Model {
             own.rest_poses(foot_pose(own, placed.foot_world, placed.yaw_rad))
         };
         let rest_pose_world = objects().zip(&structures).map(rest).collect();
+        let bodies = |(object, own): (usize, &Structure)| {
+            let has_shape = |body: &usize| !own.bodies[*body].parts.is_empty();
+            (0..own.bodies.len()).filter(has_shape).map(|body| (object, body)).collect::<Vec<_>>()
+        };
         let (assemblies, place_in_assembly) = assemblies(&clutter.objects, &structures);
         Model {
             assemblies,
             place_in_assembly,
             dormancy,
-            recorded_bodies: recorded_bodies(arm.links.len(), &structures),
+            recorded_bodies: structures.iter().enumerate().flat_map(bodies).collect(),
             rest_pose_world,
             outline_tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
             outlines,
@@ -71,18 +75,6 @@ impl Model {
         let object = objects[objects.partition_point(|object| first(*object) <= link) - 1];
         (object, link - first(object))
     }
-}
-
-/// Indices of bodies in a recording of an arm with this many links. A body without a shape can be neither touched nor
-/// drawn, so it has none; it shares the index of the next body here.
-fn recorded_bodies(links: usize, structures: &[Structure]) -> Vec<Vec<u16>> {
-    let mut next = links as u16;
-    let mut of_body = |body: &Body| {
-        let own = next;
-        next += u16::from(!body.parts.is_empty());
-        own
-    };
-    structures.iter().map(|structure| structure.bodies.iter().map(&mut of_body).collect()).collect()
 }
 
 /// Objects that move as one tree: one that stands on the ground, and those that stand on it if it can move away.
