@@ -52,7 +52,7 @@ struct Reach<'a> {
     log: ReachLog,
     /// The contact that aborted the last attempt, if its force exceeded the stop force.
     safety_stop: Option<SafetyStop>,
-    /// Why the controller gave up the last attempt, if it did.
+    /// Why the controller gave up the present leg or the last one, if it did.
     given_up: Option<String>,
 }
 
@@ -127,6 +127,7 @@ impl<'a> Reach<'a> {
         observer: &mut Observer,
     ) -> Result<Outcome, ReachError> {
         let mut monitor = Monitor::new(rules, target_world);
+        self.given_up = None;
         self.steering.intent = Intent::default();
         loop {
             if (self.stop)() {

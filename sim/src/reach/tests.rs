@@ -1,11 +1,13 @@
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
 use std::path::Path;
+use std::sync::{Arc, Mutex};
 
+use glam::DVec3;
 use underbrush_recording::Outcome;
 
 use super::{ReachPlan, ReachSoFar};
-use crate::controller::{ControllerKind, Preset};
+use crate::controller::{ControlStatus, Controller, ControllerInput, ControllerKind, ControllerOutput, Intent, Preset};
 use crate::{Arm, Scene};
 
 /// A reach to one goal with nothing in the way.
@@ -176,6 +178,64 @@ fn a_stuck_arm_backs_off_and_tries_again() {
     // moved back.
     let whole_way = 0.05 - once.rules.reached_distance_m - once.rules.stuck_distance_m;
     assert!(farthest >= whole_way, "{farthest} m, {whole_way} m");
+}
+
+/// Stands still for some legs and gives up every third of them; then it goes on as the inner controller does.
+struct Hesitant {
+    inner: Box<dyn Controller>,
+    still_legs: usize,
+    /// The first leg that it gives up.
+    given_up_leg: usize,
+    /// The target of each leg.
+    targets_world: Arc<Mutex<Vec<DVec3>>>,
+}
+
+impl Controller for Hesitant {
+    fn name(&self) -> &str {
+        "hesitant"
+    }
+
+    fn rate_hz(&self) -> f64 {
+        self.inner.rate_hz()
+    }
+
+    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
+        let mut targets_world = self.targets_world.lock().unwrap();
+        if targets_world.last() != Some(&input.goal_position_world) {
+            targets_world.push(input.goal_position_world);
+        }
+        let leg = targets_world.len() - 1;
+        if leg >= self.still_legs {
+            return self.inner.control(input);
+        }
+        ControllerOutput {
+            equilibrium_angle_rad: input.equilibrium_angle_rad.to_vec(),
+            status: ControlStatus::Solved,
+            intent: if leg % 3 == self.given_up_leg { Intent::GivenUp("no way".into()) } else { Intent::Onward },
+        }
+    }
+}
+
+#[test]
+fn a_reason_for_giving_up_ends_with_its_leg() {
+    // Tests that a reason for giving up the way back is not recorded for the goal, whether it is reached later or the arm
+    // gets stuck again, and does not keep the arm from trying again. A goal that is given up itself keeps its reason.
+    let hesitant = |still_legs, given_up_leg, retries| {
+        let mut plan = plan("");
+        plan.scene.file.goals.retries = retries;
+        plan.rules.stuck_window_s = 0.5;
+        let targets_world = Arc::new(Mutex::new(Vec::new()));
+        let shown = targets_world.clone();
+        let wrap = move |inner| -> Box<dyn Controller> {
+            Box::new(Hesitant { inner, still_legs, given_up_leg, targets_world: shown.clone() })
+        };
+        let recording = plan.with_controller_within(wrap).run(0, &mut |_| {}).unwrap();
+        let legs = targets_world.lock().unwrap().len();
+        (legs, recording.goals[0].outcome, recording.goals[0].given_up.clone())
+    };
+    assert_eq!(hesitant(3, 1, 1), (4, Outcome::Reached, None));
+    assert_eq!(hesitant(usize::MAX, 1, 2), (7, Outcome::Stuck, None));
+    assert_eq!(hesitant(usize::MAX, 0, 2), (1, Outcome::Stuck, Some("no way".to_owned())));
 }
 
 #[test]
