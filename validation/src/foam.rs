@@ -88,7 +88,7 @@ const DEPTH_M: f64 = 0.01;
 
 fn held_slice(simulated: Simulated) -> Found {
     let held = slice(simulated).drive(|_| DEPTH_M, 6.0);
-    let at = |time_s: f64| held[(time_s / Driven::STEP_S) as usize].force;
+    let at = |time_s| force_at(&held, time_s);
     let (first, early, late) = (at(0.1), at(1.0), at(3.0));
     // Three forces at equal intervals: the ratio of their differences is e^(−Δt/τ), whatever the parallel spring.
     let time_s = 2.0 / ((early - late) / (late - at(5.0))).ln();
@@ -124,10 +124,8 @@ fn wandering_slice(simulated: Simulated) -> Found {
 /// Moves the slice by 1 cm and back, one second each way. At half the distance it pushes less on the way back.
 fn returning_slice(simulated: Simulated) -> Found {
     let way = slice(simulated).drive(|time_s| DEPTH_M * (1.0 - (time_s - 1.0).abs()).max(0.0), 2.0);
-    // The first point is the one after one step.
-    let force_n = |time_s: f64| way[(time_s / Driven::STEP_S).round() as usize - 1].force;
     let expected = |time_s| solid().there_and_back_force(1.0, time_s);
-    let [expected, found] = [expected(1.5) / expected(0.5), force_n(1.5) / force_n(0.5)];
+    let [expected, found] = [expected(1.5) / expected(0.5), force_at(&way, 1.5) / force_at(&way, 0.5)];
     let reason = "2 %: the spring's own damper adds 0.1 N to 24 N while loading and subtracts it from 17 N while unloading; the \
                   dashpot lags by one step";
     Ok(vec![
@@ -139,6 +137,11 @@ fn returning_slice(simulated: Simulated) -> Found {
 /// An irregular motion: three sines without a common period, less than 1 cm, starting at rest.
 fn wander(time_s: f64) -> f64 {
     0.004 * (1.7 * time_s).sin() + 0.003 * (0.45 * time_s).sin() + 0.002 * (7.3 * time_s).sin()
+}
+
+/// The force at a time, s. The first point is the one after one step.
+fn force_at(way: &[Point], time_s: f64) -> f64 {
+    way[(time_s / Driven::STEP_S).round() as usize - 1].force
 }
 
 /// ∫ F dx of each step along the path.
