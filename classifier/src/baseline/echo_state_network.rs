@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Limits, Sample, math};
 
-use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
+use super::fitted::{self, Baseline, Columns, FITTED, TrialsByCategory, check_table, columns};
 use crate::error::{Fault, ModelError, check_limits};
 use crate::{ClassifierKind, FeatureError, FeatureSet, SampleFault};
 
@@ -105,7 +105,6 @@ impl EchoStateNetwork {
 impl Baseline for EchoStateNetwork {
     const NAME: &'static str = "echo-state-network";
     type Parameters = Parameters;
-    type Learned = Learned;
     type Contact = Contact;
 
     fn features(&self) -> FeatureSet {
@@ -118,8 +117,8 @@ impl Baseline for EchoStateNetwork {
         check_limits("penalty", self.penalty, PENALTY)
     }
 
-    fn learn(&self, by_category: &TrialsByCategory) -> Result<Learned, ModelError> {
-        let network = Network::new(self);
+    fn learn(&self, by_category: &TrialsByCategory) -> Result<Parameters, ModelError> {
+        let network = Parameters::without_readout(self);
         let size = self.units + self.inputs();
         let mut precision = DMatrix::from_diagonal_element(size, size, self.penalty);
         let mut target = DMatrix::zeros(size, by_category.len());
@@ -142,40 +141,30 @@ impl Baseline for EchoStateNetwork {
             found: format!("a regression with penalty {} that has no solution", self.penalty),
             allowed: "a larger penalty".into(),
         })?;
-        Ok(Learned { network, readout })
+        Ok(Parameters { readout: Columns(readout), ..network })
     }
 
-    fn parameters(learned: &Learned) -> Parameters {
-        Parameters {
-            recurrent: fitted::columns(&learned.network.recurrent),
-            inputs: fitted::columns(&learned.network.inputs),
-            readout: fitted::columns(&learned.readout),
-        }
-    }
-
-    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Learned, Fault> {
+    fn checked(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
         let Parameters { recurrent, inputs, readout } = &parameters;
         let (units, size) = (self.units, self.units + self.inputs());
-        check_table("recurrent", recurrent, (units, units), FITTED)?;
-        check_table("inputs", inputs, (self.inputs(), units), FITTED)?;
-        check_table("readout", readout, (categories, size), FITTED)?;
-        let network =
-            Network { recurrent: fitted::from_columns(units, recurrent), inputs: fitted::from_columns(units, inputs) };
-        Ok(Learned { network, readout: fitted::from_columns(size, readout) })
+        check_table("recurrent", &columns(&recurrent.0), (units, units), FITTED)?;
+        check_table("inputs", &columns(&inputs.0), (self.inputs(), units), FITTED)?;
+        check_table("readout", &columns(&readout.0), (categories, size), FITTED)?;
+        Ok(parameters)
     }
 
-    fn push(&self, learned: &Learned, contact: &mut Contact, sample: &Sample) -> Result<bool, SampleFault> {
+    fn push(&self, network: &Parameters, contact: &mut Contact, sample: &Sample) -> Result<bool, SampleFault> {
         if contact.samples == 0 {
-            let (size, categories) = learned.readout.shape();
+            let (size, categories) = network.readout.0.shape();
             *contact = Contact { state: DVector::zeros(size), sum: DVector::zeros(categories), samples: 0 };
         }
-        learned.network.step(self, &mut contact.state, sample)?;
-        contact.sum += learned.readout.tr_mul(&contact.state);
+        network.step(self, &mut contact.state, sample)?;
+        contact.sum += network.readout.0.tr_mul(&contact.state);
         contact.samples += 1;
         Ok(true)
     }
 
-    fn scores(&self, _: &Learned, contact: &Contact, scores: &mut [f64]) {
+    fn scores(&self, _: &Parameters, contact: &Contact, scores: &mut [f64]) {
         let mean = &contact.sum / contact.samples.max(1) as f64;
         for (score, posterior) in scores.iter_mut().zip(mean.iter()) {
             *score = fitted::log_of_readout(*posterior);
@@ -183,26 +172,34 @@ impl Baseline for EchoStateNetwork {
     }
 }
 
-/// The fixed random network. Its state vector ends with the inputs, so that the readout sees both.
-#[derive(Debug)]
-struct Network {
-    recurrent: DMatrix<f64>,
-    inputs: DMatrix<f64>,
+/// The fixed random network, whose weights are stored as well, so that a file does not depend on how a program draws them, and
+/// its readout. The state vector ends with the inputs, so that the readout sees both.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "EchoStateNetworkParameters")]
+pub(super) struct Parameters {
+    /// One row per source unit.
+    recurrent: Columns,
+    /// One row per input.
+    inputs: Columns,
+    /// One row per category.
+    readout: Columns,
 }
 
-impl Network {
-    /// The weights depend on the options only.
-    fn new(options: &EchoStateNetwork) -> Self {
+impl Parameters {
+    /// The random weights, which depend on the options only, and a readout of no category.
+    fn without_readout(options: &EchoStateNetwork) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         let mut draw = |rows: usize, columns: usize, max: f64| {
-            DMatrix::from_fn(rows, columns, |_, _| max * (2.0 * rng.random::<f64>() - 1.0))
+            Columns(DMatrix::from_fn(rows, columns, |_, _| max * (2.0 * rng.random::<f64>() - 1.0)))
         };
         // Independent entries of standard deviation σ give a spectral radius of σ √units; uniform entries have
         // `σ = max / √3`.
         let max = RADIUS * (3.0 / options.units as f64).sqrt();
-        Network {
+        Parameters {
             recurrent: draw(options.units, options.units, max),
             inputs: draw(options.units, options.inputs(), 1.0),
+            readout: Columns(DMatrix::zeros(0, 0)),
         }
     }
 
@@ -213,33 +210,13 @@ impl Network {
         for (value, feature) in input.iter_mut().skip(1).zip(features.iter()) {
             *value *= feature.to_order_one;
         }
-        let drive = &self.recurrent * state.rows(0, units) + &self.inputs * &input;
+        let drive = &self.recurrent.0 * state.rows(0, units) + &self.inputs.0 * &input;
         for (unit, drive) in drive.iter().enumerate() {
             state[unit] += leak * (math::tanh(*drive) - state[unit]);
         }
         state.rows_mut(units, input.len()).copy_from(&input);
         Ok(())
     }
-}
-
-#[derive(Debug)]
-pub(super) struct Learned {
-    network: Network,
-    /// One column per category.
-    readout: DMatrix<f64>,
-}
-
-/// The random weights are stored as well, so that a file does not depend on how a program draws them.
-#[derive(Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(rename = "EchoStateNetworkParameters")]
-pub(super) struct Parameters {
-    /// One row per source unit.
-    recurrent: Vec<Vec<f64>>,
-    /// One row per input.
-    inputs: Vec<Vec<f64>>,
-    /// One row per category.
-    readout: Vec<Vec<f64>>,
 }
 
 /// A contact so far.

@@ -26,10 +26,8 @@ pub(super) trait Baseline:
 {
     /// Name of the classifier.
     const NAME: &'static str;
-    /// What is fitted, as a file holds it.
-    type Parameters: Serialize + DeserializeOwned + JsonSchema;
-    /// What is fitted, ready for use.
-    type Learned: Debug + Send + Sync;
+    /// What is fitted, as it is used and as a file holds it.
+    type Parameters: Debug + Send + Sync + Serialize + DeserializeOwned + JsonSchema;
     /// What is known of a contact so far. The default is a contact without samples.
     type Contact: Clone + Debug + Default + Send;
 
@@ -42,19 +40,21 @@ pub(super) trait Baseline:
     }
 
     /// Fits to trials.
-    fn learn(&self, trials: &TrialsByCategory) -> Result<Self::Learned, ModelError>;
+    fn learn(&self, trials: &TrialsByCategory) -> Result<Self::Parameters, ModelError>;
 
-    /// What a file holds.
-    fn parameters(learned: &Self::Learned) -> Self::Parameters;
-
-    /// Checks and applies what a file holds, for this many categories.
-    fn learned(&self, parameters: Self::Parameters, categories: usize) -> Result<Self::Learned, Fault>;
+    /// Checks what a file holds, for this many categories.
+    fn checked(&self, parameters: Self::Parameters, categories: usize) -> Result<Self::Parameters, Fault>;
 
     /// As [`ContactScorer::push`].
-    fn push(&self, learned: &Self::Learned, contact: &mut Self::Contact, sample: &Sample) -> Result<bool, SampleFault>;
+    fn push(
+        &self,
+        parameters: &Self::Parameters,
+        contact: &mut Self::Contact,
+        sample: &Sample,
+    ) -> Result<bool, SampleFault>;
 
     /// As [`ContactScorer::scores`].
-    fn scores(&self, learned: &Self::Learned, contact: &Self::Contact, scores: &mut [f64]);
+    fn scores(&self, parameters: &Self::Parameters, contact: &Self::Contact, scores: &mut [f64]);
 }
 
 /// The entry of a baseline in the list of classifiers.
@@ -72,16 +72,16 @@ pub(super) const fn kind<B: Baseline>(
 struct Fitted<B: Baseline> {
     options: B,
     categories: Vec<String>,
-    learned: B::Learned,
+    parameters: B::Parameters,
 }
 
 impl<B: Baseline> Estimator for B {
     fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
         self.check()?;
         let trials = trials_by_category(trials.iter().copied())?;
-        let learned = self.learn(&trials)?;
+        let parameters = self.learn(&trials)?;
         let categories = trials.into_keys().collect();
-        Ok(Box::new(Arc::new(Fitted { options: *self, categories, learned })))
+        Ok(Box::new(Arc::new(Fitted { options: *self, categories, parameters })))
     }
 }
 
@@ -92,9 +92,9 @@ fn load<B: Baseline>(document: &Document) -> Result<Box<dyn Classifier>, InputEr
         return Err(document.error("categories", found, "one or more names in alphabetical order, none twice"));
     }
     options.check().map_err(|fault| document.fault(fault.within("options")))?;
-    let learned = options.learned(parameters, categories.len());
-    let learned = learned.map_err(|fault| document.fault(fault.within("parameters")))?;
-    Ok(Box::new(Arc::new(Fitted { options, categories, learned })))
+    let parameters = options.checked(parameters, categories.len());
+    let parameters = parameters.map_err(|fault| document.fault(fault.within("parameters")))?;
+    Ok(Box::new(Arc::new(Fitted { options, categories, parameters })))
 }
 
 impl<B: Baseline> Classifier for Arc<Fitted<B>> {
@@ -116,9 +116,8 @@ impl<B: Baseline> Classifier for Arc<Fitted<B>> {
     }
 
     fn file_entries(&self) -> Vec<(&'static str, Value)> {
-        let Fitted { options, categories, learned } = &**self;
-        let parameters = json!(B::parameters(learned));
-        vec![("categories", json!(categories)), ("options", json!(options)), ("parameters", parameters)]
+        let Fitted { options, categories, parameters } = &**self;
+        vec![("categories", json!(categories)), ("options", json!(options)), ("parameters", json!(parameters))]
     }
 }
 
@@ -130,11 +129,11 @@ struct Contact<B: Baseline> {
 
 impl<B: Baseline> ContactScorer for Contact<B> {
     fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault> {
-        self.fitted.options.push(&self.fitted.learned, &mut self.state, sample)
+        self.fitted.options.push(&self.fitted.parameters, &mut self.state, sample)
     }
 
     fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError> {
-        self.fitted.options.scores(&self.fitted.learned, &self.state, scores);
+        self.fitted.options.scores(&self.fitted.parameters, &self.state, scores);
         Ok(())
     }
 }
@@ -191,7 +190,25 @@ pub(super) fn columns(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
     matrix.column_iter().map(|column| column.iter().copied().collect()).collect()
 }
 
-/// The matrix whose columns are these rows, all of this length.
-pub(super) fn from_columns(length: usize, columns: &[Vec<f64>]) -> DMatrix<f64> {
-    DMatrix::from_fn(length, columns.len(), |row, column| columns[column][row])
+/// A matrix that files hold as the list of its columns.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "Vec<Vec<f64>>", into = "Vec<Vec<f64>>")]
+#[schemars(inline)]
+pub(super) struct Columns(pub(super) DMatrix<f64>);
+
+impl TryFrom<Vec<Vec<f64>>> for Columns {
+    type Error = &'static str;
+
+    fn try_from(columns: Vec<Vec<f64>>) -> Result<Self, Self::Error> {
+        let (length, count) = (columns.first().map_or(0, Vec::len), columns.len());
+        let is_even = columns.iter().all(|column| column.len() == length);
+        let matrix = || Columns(DMatrix::from_iterator(length, count, columns.iter().flatten().copied()));
+        is_even.then(matrix).ok_or("must be lists of the same length")
+    }
+}
+
+impl From<Columns> for Vec<Vec<f64>> {
+    fn from(Columns(matrix): Columns) -> Self {
+        columns(&matrix)
+    }
 }

@@ -95,7 +95,6 @@ impl Logistic {
 impl Baseline for Logistic {
     const NAME: &'static str = "logistic";
     type Parameters = Parameters;
-    type Learned = Learned;
     type Contact = StreamFeatures;
 
     fn features(&self) -> FeatureSet {
@@ -106,61 +105,53 @@ impl Baseline for Logistic {
         check_limits("penalty", self.penalty, PENALTY)
     }
 
-    fn learn(&self, trials: &TrialsByCategory) -> Result<Learned, ModelError> {
+    fn learn(&self, trials: &TrialsByCategory) -> Result<Parameters, ModelError> {
         let selection = Selection::of(self.features);
         let mut table = Table::of(trials, &selection)?;
         let standardization = Standardization::of(&mut table, &selection);
         table.rows.iter_mut().for_each(|row| row.features.push(1.0));
         let weights = minimize(&table, selection.dimension() + 1, self.penalty)?;
-        Ok(Learned { selection, standardization, weights })
+        Ok(Parameters { standardization, weights: fitted::columns(&weights.transpose()) })
     }
 
-    fn parameters(learned: &Learned) -> Parameters {
-        let weights = fitted::columns(&learned.weights.transpose());
-        Parameters { standardization: learned.standardization.clone(), weights }
+    fn checked(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
+        let dimension = Selection::of(self.features).dimension();
+        parameters.standardization.check(dimension).map_err(|fault| fault.within("standardization"))?;
+        check_table("weights", &parameters.weights, (categories, dimension + 1), FITTED)?;
+        Ok(parameters)
     }
 
-    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Learned, Fault> {
-        let Parameters { standardization, weights } = parameters;
-        let selection = Selection::of(self.features);
-        let columns = selection.dimension() + 1;
-        standardization.check(selection.dimension()).map_err(|fault| fault.within("standardization"))?;
-        check_table("weights", &weights, (categories, columns), FITTED)?;
-        Ok(Learned { selection, standardization, weights: fitted::from_columns(columns, &weights).transpose() })
+    fn push(&self, _: &Parameters, contact: &mut StreamFeatures, sample: &Sample) -> Result<bool, SampleFault> {
+        Selection::of(self.features).push(contact, sample).map(|()| true)
     }
 
-    fn push(&self, learned: &Learned, contact: &mut StreamFeatures, sample: &Sample) -> Result<bool, SampleFault> {
-        learned.selection.push(contact, sample).map(|()| true)
-    }
-
-    fn scores(&self, learned: &Learned, contact: &StreamFeatures, scores: &mut [f64]) {
-        let mut features = learned.selection.values(contact);
-        learned.standardization.apply(&mut features);
+    fn scores(&self, parameters: &Parameters, contact: &StreamFeatures, scores: &mut [f64]) {
+        let mut features = Selection::of(self.features).values(contact);
+        parameters.standardization.apply(&mut features);
         features.push(1.0);
-        scores.copy_from_slice(&log_posterior(&learned.weights, &features));
+        // In the order of `times`, so that a fit and its scores have the same bits.
+        let score = |row: &Vec<f64>| row.iter().zip(&features).fold(0.0, |sum, (weight, x)| sum + weight * x);
+        scores.copy_from_slice(&normalized(parameters.weights.iter().map(score).collect()));
     }
 }
 
-#[derive(Debug)]
-pub(super) struct Learned {
-    selection: Selection,
-    standardization: Standardization,
-    /// One row per category: a weight per stream feature, then the constant.
-    weights: DMatrix<f64>,
-}
-
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "LogisticParameters")]
 pub(super) struct Parameters {
     standardization: Standardization,
     /// One row per category.
+    // In a row: a weight per stream feature, then the constant.
     weights: Vec<Vec<f64>>,
 }
 
 /// ln P(category | features), one per category, for features that end with 1.
 fn log_posterior(weights: &DMatrix<f64>, features: &[f64]) -> Vec<f64> {
-    let scores = times(weights, features);
+    normalized(times(weights, features))
+}
+
+/// The log-posteriors with these differences.
+fn normalized(scores: Vec<f64>) -> Vec<f64> {
     let largest = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let total = largest + math::ln(scores.iter().map(|score| math::exp(score - largest)).sum::<f64>());
     scores.into_iter().map(|score| score - total).collect()

@@ -90,7 +90,6 @@ impl Default for MiniRocket {
 impl Baseline for MiniRocket {
     const NAME: &'static str = "mini-rocket";
     type Parameters = Parameters;
-    type Learned = Parameters;
     type Contact = Outputs;
 
     fn features(&self) -> FeatureSet {
@@ -113,31 +112,27 @@ impl Baseline for MiniRocket {
         Ok(Parameters { convolutions, weights: fitted::columns(&weights) })
     }
 
-    fn parameters(learned: &Parameters) -> Parameters {
-        learned.clone()
-    }
-
-    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
+    fn checked(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
         let Parameters { convolutions, weights } = parameters;
         let convolutions = convolutions.checked(self.features).map_err(|fault| fault.within("convolutions"))?;
         check_table("weights", &weights, (categories, convolutions.dimension() + 1), FITTED)?;
         Ok(Parameters { convolutions, weights })
     }
 
-    fn push(&self, learned: &Parameters, contact: &mut Outputs, sample: &Sample) -> Result<bool, SampleFault> {
-        learned.convolutions.push(self.features, contact, sample).map(|()| true)
+    fn push(&self, parameters: &Parameters, contact: &mut Outputs, sample: &Sample) -> Result<bool, SampleFault> {
+        parameters.convolutions.push(self.features, contact, sample).map(|()| true)
     }
 
-    fn scores(&self, learned: &Parameters, contact: &Outputs, scores: &mut [f64]) {
-        let values = learned.convolutions.values(contact);
-        for (score, weights) in scores.iter_mut().zip(&learned.weights) {
+    fn scores(&self, parameters: &Parameters, contact: &Outputs, scores: &mut [f64]) {
+        let values = parameters.convolutions.values(contact);
+        for (score, weights) in scores.iter_mut().zip(&parameters.weights) {
             let sum: f64 = weights.iter().zip(values.iter().chain([&1.0])).map(|(weight, value)| weight * value).sum();
             *score = fitted::log_of_readout(sum);
         }
     }
 }
 
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "MiniRocketParameters")]
 pub(super) struct Parameters {

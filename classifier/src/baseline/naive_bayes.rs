@@ -92,12 +92,9 @@ impl Default for NaiveBayes {
 /// alone. Choice: a tenth of the standard deviation over all categories.
 const MIN_VARIANCE: f64 = 1e-2;
 
-type Learned = (Selection, Parameters);
-
 impl Baseline for NaiveBayes {
     const NAME: &'static str = "naive-bayes";
     type Parameters = Parameters;
-    type Learned = Learned;
     type Contact = StreamFeatures;
 
     fn features(&self) -> FeatureSet {
@@ -112,7 +109,7 @@ impl Baseline for NaiveBayes {
         Ok(())
     }
 
-    fn learn(&self, trials: &TrialsByCategory) -> Result<Learned, ModelError> {
+    fn learn(&self, trials: &TrialsByCategory) -> Result<Parameters, ModelError> {
         let selection = self.selection();
         // The peak of a contact is known at its end.
         let mut table = match self.only_peak_force {
@@ -133,31 +130,25 @@ impl Baseline for NaiveBayes {
             mean.push(means);
             variance.push(variances);
         }
-        Ok((selection, Parameters { standardization, mean, variance }))
+        Ok(Parameters { standardization, mean, variance })
     }
 
-    fn parameters((_, learned): &Learned) -> Parameters {
-        learned.clone()
-    }
-
-    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Learned, Fault> {
-        let selection = self.selection();
-        let dimension = selection.dimension();
+    fn checked(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
+        let dimension = self.selection().dimension();
         parameters.standardization.check(dimension).map_err(|fault| fault.within("standardization"))?;
         check_table("mean", &parameters.mean, (categories, dimension), FITTED)?;
         check_table("variance", &parameters.variance, (categories, dimension), POSITIVE)?;
-        Ok((selection, parameters))
+        Ok(parameters)
     }
 
-    fn push(&self, learned: &Learned, contact: &mut StreamFeatures, sample: &Sample) -> Result<bool, SampleFault> {
-        let (selection, _) = learned;
-        selection.push(contact, sample).map(|()| true)
+    fn push(&self, _: &Parameters, contact: &mut StreamFeatures, sample: &Sample) -> Result<bool, SampleFault> {
+        self.selection().push(contact, sample).map(|()| true)
     }
 
-    fn scores(&self, (selection, learned): &Learned, contact: &StreamFeatures, scores: &mut [f64]) {
-        let mut features = selection.values(contact);
-        learned.standardization.apply(&mut features);
-        for ((score, mean), variance) in scores.iter_mut().zip(&learned.mean).zip(&learned.variance) {
+    fn scores(&self, parameters: &Parameters, contact: &StreamFeatures, scores: &mut [f64]) {
+        let mut features = self.selection().values(contact);
+        parameters.standardization.apply(&mut features);
+        for ((score, mean), variance) in scores.iter_mut().zip(&parameters.mean).zip(&parameters.variance) {
             let gaussians = mean.iter().zip(variance).zip(&features);
             let densities = gaussians.map(|((mean, variance), feature)| {
                 let squared = (feature - mean).powi(2) / variance;
@@ -168,7 +159,7 @@ impl Baseline for NaiveBayes {
     }
 }
 
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "NaiveBayesParameters")]
 pub(super) struct Parameters {

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Limits, Sample, math};
 
-use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_list, check_table};
+use super::fitted::{self, Baseline, Columns, FITTED, TrialsByCategory, check_list, check_table, columns};
 use crate::error::{Fault, ModelError, check_limits};
 use crate::estimator::ClassifierKind;
 use crate::feature::{AREA, FORCE, FeatureSet, MOTION, SampleFault};
@@ -109,7 +109,6 @@ impl NearestNeighbours {
 impl Baseline for NearestNeighbours {
     const NAME: &'static str = "nearest-neighbours";
     type Parameters = Parameters;
-    type Learned = Learned;
     /// The samples of the window so far, one after the other.
     type Contact = Vec<f64>;
 
@@ -123,7 +122,7 @@ impl Baseline for NearestNeighbours {
         check_limits("explained", self.explained, EXPLAINED)
     }
 
-    fn learn(&self, trials: &TrialsByCategory) -> Result<Learned, ModelError> {
+    fn learn(&self, trials: &TrialsByCategory) -> Result<Parameters, ModelError> {
         let (mut rows, mut category_of) = (Vec::new(), Vec::new());
         for (category, trials) in trials.values().enumerate() {
             for trial in trials {
@@ -139,73 +138,61 @@ impl Baseline for NearestNeighbours {
             column.iter_mut().for_each(|value| *value = (*value - mean[d]) * scale[d / self.window]);
         }
         let components = principal_components(&matrix, self.explained);
-        Ok(Learned {
-            count: trials.values().map(Vec::len).collect(),
+        Ok(Parameters {
             mean,
             scale,
             // Not with `*`, for which nalgebra calls a library whose last digits depend on the processor.
-            known: components.tr_mul(&matrix.transpose()),
-            components,
-            category_of,
+            trials: Columns(components.tr_mul(&matrix.transpose())),
+            components: Columns(components),
+            category: category_of,
         })
     }
 
-    fn parameters(learned: &Learned) -> Parameters {
-        Parameters {
-            mean: learned.mean.clone(),
-            scale: learned.scale.clone(),
-            components: fitted::columns(&learned.components),
-            category: learned.category_of.clone(),
-            trials: fitted::columns(&learned.known),
-        }
-    }
-
-    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Learned, Fault> {
-        let Parameters { mean, scale, components, category: category_of, trials } = parameters;
-        let channels = self.features.dimension();
+    fn checked(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
+        let Parameters { mean, scale, components, category, trials } = &parameters;
+        let (channels, count) = (self.features.dimension(), components.0.ncols());
         let length = channels * self.window;
-        check_list("mean", &mean, length, FITTED)?;
-        check_list("scale", &scale, channels, FITTED)?;
-        check_table("components", &components, (components.len().max(1), length), FITTED)?;
-        check_table("trials", &trials, (category_of.len(), components.len()), FITTED)?;
-        let of = |category: usize| category_of.iter().filter(|own| **own == category).count();
-        let count: Vec<usize> = (0..categories).map(of).collect();
-        if let Some(missing) = count.iter().position(|count| *count == 0) {
+        check_list("mean", mean, length, FITTED)?;
+        check_list("scale", scale, channels, FITTED)?;
+        check_table("components", &columns(&components.0), (count.max(1), length), FITTED)?;
+        check_table("trials", &columns(&trials.0), (category.len(), count), FITTED)?;
+        if let Some(missing) = (0..categories).find(|missing| !category.contains(missing)) {
             return Err(Fault::new("category", format!("no trial of category {missing}"), "a trial of each"));
         }
-        if category_of.iter().any(|category| *category >= categories) {
+        if category.iter().any(|category| *category >= categories) {
             let found = format!("an index beyond {}", categories - 1);
             return Err(Fault::new("category", found, "indices of categories, from 0"));
         }
-        let known = fitted::from_columns(components.len(), &trials);
-        Ok(Learned { count, mean, scale, components: fitted::from_columns(length, &components), known, category_of })
+        Ok(parameters)
     }
 
-    fn push(&self, _: &Learned, contact: &mut Vec<f64>, sample: &Sample) -> Result<bool, SampleFault> {
+    fn push(&self, _: &Parameters, contact: &mut Vec<f64>, sample: &Sample) -> Result<bool, SampleFault> {
         self.features.push_within(self.window, contact, sample)
     }
 
     /// The logarithm of each category's votes divided by its number of training trials, because frequent categories
     /// have more neighbours. One additional vote is divided among the categories in proportion to these numbers, so that none is
     /// impossible, and categories without a neighbour have the same score.
-    fn scores(&self, learned: &Learned, contact: &Vec<f64>, scores: &mut [f64]) {
+    fn scores(&self, parameters: &Parameters, contact: &Vec<f64>, scores: &mut [f64]) {
+        let Parameters { mean, scale, components, category, trials } = parameters;
         let mut channels = self.channels(contact);
         for (d, value) in channels.iter_mut().enumerate() {
-            *value = (*value - learned.mean[d]) * learned.scale[d / self.window];
+            *value = (*value - mean[d]) * scale[d / self.window];
         }
-        let query = learned.components.tr_mul(&DVector::from_vec(channels));
-        let distances = learned.known.column_iter().map(|known| (known - &query).norm_squared());
-        let mut nearest: Vec<(f64, usize)> = distances.zip(learned.category_of.iter().copied()).collect();
+        let query = components.0.tr_mul(&DVector::from_vec(channels));
+        let distances = trials.0.column_iter().map(|known| (known - &query).norm_squared());
+        let mut nearest: Vec<(f64, usize)> = distances.zip(category.iter().copied()).collect();
         let by_distance = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
         let votes = self.neighbours.min(nearest.len());
         if votes < nearest.len() {
             nearest.select_nth_unstable_by(votes, by_distance);
         }
-        let all: usize = learned.count.iter().sum();
-        let mut share: Vec<f64> = learned.count.iter().map(|count| *count as f64 / all as f64).collect();
+        let mut count = vec![0_usize; scores.len()];
+        category.iter().for_each(|category| count[*category] += 1);
+        let mut share: Vec<f64> = count.iter().map(|count| *count as f64 / category.len() as f64).collect();
         nearest[..votes].iter().for_each(|&(_, category)| share[category] += 1.0);
-        for ((score, share), count) in scores.iter_mut().zip(share).zip(&learned.count) {
-            *score = math::ln(share / *count as f64);
+        for ((score, share), count) in scores.iter_mut().zip(share).zip(count) {
+            *score = math::ln(share / count as f64);
         }
     }
 }
@@ -250,20 +237,7 @@ fn principal_components(rows: &DMatrix<f64>, explained: f64) -> DMatrix<f64> {
     eigen.eigenvectors.select_columns(&order[..kept])
 }
 
-#[derive(Debug)]
-pub(super) struct Learned {
-    /// Number of training trials by category.
-    count: Vec<usize>,
-    mean: Vec<f64>,
-    scale: Vec<f64>,
-    /// One column per component.
-    components: DMatrix<f64>,
-    /// Training trials, one per column.
-    known: DMatrix<f64>,
-    category_of: Vec<usize>,
-}
-
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "NearestNeighboursParameters")]
 pub(super) struct Parameters {
@@ -272,9 +246,9 @@ pub(super) struct Parameters {
     /// Factor that each channel's deviation from the mean is multiplied by.
     scale: Vec<f64>,
     /// One row per component.
-    components: Vec<Vec<f64>>,
+    components: Columns,
     /// Index of the category of each training trial.
     category: Vec<usize>,
     /// One row per training trial.
-    trials: Vec<Vec<f64>>,
+    trials: Columns,
 }

@@ -61,26 +61,23 @@ pub struct Trees {
 }
 
 /// Trees for each category, in their order.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "TreesParameters")]
 pub(super) struct Parameters {
     trees: Vec<Boosted>,
 }
 
-type Learned = (Selection, Parameters);
-
 impl Baseline for Trees {
     const NAME: &'static str = "trees";
     type Parameters = Parameters;
-    type Learned = Learned;
     type Contact = StreamFeatures;
 
     fn features(&self) -> FeatureSet {
         self.features
     }
 
-    fn learn(&self, trials: &TrialsByCategory) -> Result<Learned, ModelError> {
+    fn learn(&self, trials: &TrialsByCategory) -> Result<Parameters, ModelError> {
         let selection = Selection::of(self.features);
         let table = Table::of(trials, &selection)?;
         let features: Vec<Vec<f32>> = table.rows.iter().map(|row| single(&row.features)).collect();
@@ -96,31 +93,26 @@ impl Baseline for Trees {
             Boosted::fit(Loss::Logistic, &rows, selection.dimension())
         };
         let trees = (0..table.categories).into_par_iter().map(trees).collect();
-        Ok((selection, Parameters { trees }))
+        Ok(Parameters { trees })
     }
 
-    fn parameters((_, parameters): &Learned) -> Parameters {
-        parameters.clone()
-    }
-
-    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Learned, Fault> {
-        let selection = Selection::of(self.features);
-        let fits = |own: &Boosted| own.features() == selection.dimension();
+    fn checked(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
+        let dimension = Selection::of(self.features).dimension();
+        let fits = |own: &Boosted| own.features() == dimension;
         if parameters.trees.len() != categories || !parameters.trees.iter().all(fits) {
             let found = format!("trees of {} categories", parameters.trees.len());
-            let allowed = format!("trees of {categories} categories over {} stream features", selection.dimension());
+            let allowed = format!("trees of {categories} categories over {dimension} stream features");
             return Err(Fault::new("trees", found, allowed));
         }
-        Ok((selection, parameters))
+        Ok(parameters)
     }
 
-    fn push(&self, learned: &Learned, contact: &mut StreamFeatures, sample: &Sample) -> Result<bool, SampleFault> {
-        let (selection, _) = learned;
-        selection.push(contact, sample).map(|()| true)
+    fn push(&self, _: &Parameters, contact: &mut StreamFeatures, sample: &Sample) -> Result<bool, SampleFault> {
+        Selection::of(self.features).push(contact, sample).map(|()| true)
     }
 
-    fn scores(&self, (selection, parameters): &Learned, contact: &StreamFeatures, scores: &mut [f64]) {
-        let features = single(&selection.values(contact));
+    fn scores(&self, parameters: &Parameters, contact: &StreamFeatures, scores: &mut [f64]) {
+        let features = single(&Selection::of(self.features).values(contact));
         for (score, trees) in scores.iter_mut().zip(&parameters.trees) {
             *score = 1.0 / (1.0 + math::exp(-trees.score(&features)));
         }

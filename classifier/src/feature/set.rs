@@ -85,7 +85,7 @@ impl FeatureSet {
 
     /// The features in order.
     pub fn iter(&self) -> impl Iterator<Item = &'static Feature> {
-        self.features.into_iter().flatten()
+        self.features.iter().map_while(|feature| *feature)
     }
 
     /// Names as on the command line.

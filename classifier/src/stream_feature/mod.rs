@@ -32,47 +32,45 @@ pub const SAMPLE_COUNTS: [usize; 9] = [1, 2, 3, 6, 12, 25, 50, 100, 200];
 /// use underbrush_classifier::stream_feature::Selection;
 ///
 /// let selection = Selection::of(FeatureSet::FORCE);
-/// assert!(selection.names().any(|name| name == "slope of force over time"));
-/// assert!(!selection.names().any(|name| name == "slope of force over motion"));
-/// let selection = Selection::of("column:shear_n".parse()?);
-/// assert_eq!(selection.names().last().as_deref(), Some("deviation of shear_n"));
+/// assert_eq!(selection.dimension(), 9);
+/// // A channel adds the six of [`underbrush_classifier::stream_feature::CHANNEL_FEATURES`].
+/// assert_eq!(Selection::of("force,column:shear_n".parse()?).dimension(), 15);
 /// # Ok::<(), underbrush_classifier::feature::FeatureError>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Selection {
     inputs: FeatureSet,
-    /// Indices in [`StreamFeatures::NAMES`].
-    chosen: Vec<usize>,
-    channels: Vec<&'static Feature>,
+    /// The name of the only one that is selected.
+    only: Option<&'static str>,
 }
 
 impl Selection {
     /// The stream features that need no features of a sample other than these.
     pub fn of(inputs: FeatureSet) -> Self {
-        let computable = |index: &usize| StreamFeatures::NEEDED[*index].iter().all(|needed| inputs.contains(needed));
-        let chosen = (0..StreamFeatures::COUNT).filter(computable).collect();
-        Selection { inputs, chosen, channels: inputs.channels().collect() }
+        Selection { inputs, only: None }
     }
 
     /// The one with this name alone, if it can be computed.
-    pub fn only(mut self, name: &str) -> Self {
-        self.chosen.retain(|index| StreamFeatures::NAMES[*index] == name);
-        self.channels.clear();
-        self
+    pub fn only(self, name: &'static str) -> Self {
+        Selection { only: Some(name), ..self }
+    }
+
+    /// Indices in [`StreamFeatures::NAMES`].
+    fn chosen(&self) -> impl Iterator<Item = usize> {
+        let is_chosen = |index: &usize| {
+            self.only.is_none_or(|name| StreamFeatures::NAMES[*index] == name)
+                && StreamFeatures::NEEDED[*index].iter().all(|needed| self.inputs.contains(needed))
+        };
+        (0..StreamFeatures::COUNT).filter(is_chosen)
+    }
+
+    fn channels(&self) -> impl Iterator<Item = &'static Feature> {
+        self.inputs.channels().filter(|_| self.only.is_none())
     }
 
     /// Number of stream features.
     pub fn dimension(&self) -> usize {
-        self.chosen.len() + self.channels.len() * CHANNEL_FEATURES.len()
-    }
-
-    /// Names of the stream features, in order.
-    pub fn names(&self) -> impl Iterator<Item = String> {
-        let of_channels = self
-            .channels
-            .iter()
-            .flat_map(|channel| CHANNEL_FEATURES.iter().map(|name| format!("{name} of {}", channel.column)));
-        self.chosen.iter().map(|index| StreamFeatures::NAMES[*index].to_owned()).chain(of_channels)
+        self.chosen().count() + self.channels().count() * CHANNEL_FEATURES.len()
     }
 
     /// Adds the next sample of a contact.
@@ -87,17 +85,19 @@ impl Selection {
             return Err(SampleFault::NotFinite { column, value });
         }
         // All channels were read above.
-        state.push(sample, self.channels.iter().map(|channel| channel.read(sample).unwrap_or_default()));
+        let channels: Vec<f64> = self.channels().map(|channel| channel.read(sample).unwrap_or_default()).collect();
+        state.push(sample, channels.into_iter());
         Ok(())
     }
 
     /// The values of the stream features after the samples so far.
     pub fn values(&self, state: &StreamFeatures) -> Vec<f64> {
         let all = state.values();
-        let own = self.chosen.iter().map(|index| all[*index]);
-        let mut values: Vec<f64> = own.chain(state.channels().flatten()).collect();
+        let mut values: Vec<f64> = self.chosen().map(|index| all[index]).collect();
+        let length = values.len() + self.channels().count() * CHANNEL_FEATURES.len();
+        values.extend(state.channels().flatten());
         // Before the first sample.
-        values.resize(self.dimension(), 0.0);
+        values.resize(length, 0.0);
         values
     }
 

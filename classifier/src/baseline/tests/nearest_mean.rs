@@ -42,7 +42,6 @@ struct Contact {
 impl Baseline for NearestMean {
     const NAME: &'static str = "nearest-mean";
     type Parameters = Parameters;
-    type Learned = Parameters;
     type Contact = Contact;
 
     fn features(&self) -> FeatureSet {
@@ -65,11 +64,7 @@ impl Baseline for NearestMean {
         Ok(Parameters { mean_n: trials.values().map(of_category).collect() })
     }
 
-    fn parameters(learned: &Parameters) -> Parameters {
-        learned.clone()
-    }
-
-    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
+    fn checked(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
         check_table("mean_n", &parameters.mean_n, (categories, SAMPLES), FITTED)?;
         Ok(parameters)
     }
@@ -82,8 +77,8 @@ impl Baseline for NearestMean {
         Ok(true)
     }
 
-    fn scores(&self, learned: &Parameters, contact: &Contact, scores: &mut [f64]) {
-        for (score, mean_n) in scores.iter_mut().zip(&learned.mean_n) {
+    fn scores(&self, parameters: &Parameters, contact: &Contact, scores: &mut [f64]) {
+        for (score, mean_n) in scores.iter_mut().zip(&parameters.mean_n) {
             let deviation = (contact.force_n - mean_n[contact.samples - 1]) / self.spread_n;
             *score = -0.5 * deviation * deviation;
         }
