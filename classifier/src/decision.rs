@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -16,7 +17,7 @@ pub(crate) const PRIOR: Limits = Limits::new(1e-9, 1e9, "");
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// This category.
-    Category(String),
+    Category(Arc<str>),
     /// The margin is too small to decide.
     Uncertain,
     /// Belongs to none of the known categories (paper, section V-D).
@@ -33,11 +34,11 @@ impl Verdict {
         }
     }
 
-    /// Its index among the verdicts of a classifier with these categories ([`Choice::index`]); `None` for a category
-    /// that is not one of them.
+    /// Its index among the verdicts of a classifier with these categories: the categories, then uncertain, then outlier.
+    /// `None` for a category that is not one of them.
     pub fn index(&self, categories: &[String]) -> Option<usize> {
         match self {
-            Verdict::Category(name) => categories.iter().position(|own| own == name),
+            Verdict::Category(name) => categories.iter().position(|own| **own == **name),
             Verdict::Uncertain => Some(categories.len()),
             Verdict::Outlier => Some(categories.len() + 1),
         }
@@ -131,7 +132,7 @@ pub enum DecisionError {
 /// // Uncertain if the best category leads by less than 3 nats.
 /// let decision = Decision::new(Rule::UncertainBelow { margin: 3.0 });
 /// let judge = decision.prepare(&["leaf".into(), "trunk".into()])?;
-/// let verdict = |leaf: f64, trunk: f64| judge.verdict(judge.choose(&[leaf, trunk]));
+/// let verdict = |leaf: f64, trunk: f64| judge.choose(&[leaf, trunk]);
 /// assert_eq!(verdict(-10.0, -20.0), Verdict::Category("leaf".into()));
 /// assert_eq!(verdict(-10.0, -11.0), Verdict::Uncertain);
 /// # Ok::<(), underbrush_classifier::decision::DecisionError>(())
@@ -188,40 +189,8 @@ impl Decision {
             true => vec![0.0; categories.len()],
             false => self.prior.values().map(|prior| math::ln(prior / total)).collect(),
         };
-        Ok(Judge { categories: categories.to_vec(), log_prior, rule: self.rule })
-    }
-}
-
-/// A verdict with the category's index instead of its name, so that [`Judge::choose`] need not copy strings.
-///
-/// ```
-/// use underbrush_classifier::decision::{Choice, Decision, Rule};
-///
-/// let judge = Decision::new(Rule::UncertainBelow { margin: 2.0 }).prepare(&["leaf".into(), "trunk".into()])?;
-/// assert_eq!(judge.choose(&[-10.0, -14.0]), Choice::Category(0));
-/// assert_eq!(judge.choose(&[-10.0, -11.0]), Choice::Uncertain);
-/// assert_eq!(Choice::Uncertain.index(2), 2);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Choice {
-    /// The category with this index.
-    Category(usize),
-    /// See [`Verdict::Uncertain`].
-    Uncertain,
-    /// See [`Verdict::Outlier`].
-    Outlier,
-}
-
-impl Choice {
-    /// Its index among the verdicts of a classifier with this many categories: the categories, then uncertain, then
-    /// outlier.
-    pub fn index(self, categories: usize) -> usize {
-        match self {
-            Choice::Category(index) => index,
-            Choice::Uncertain => categories,
-            Choice::Outlier => categories + 1,
-        }
+        let categories = categories.iter().map(|name| name.as_str().into()).collect();
+        Ok(Judge { categories, log_prior, rule: self.rule })
     }
 }
 
@@ -233,12 +202,12 @@ impl Choice {
 /// let judge = Decision::argmax().prepare(&["leaf".into(), "trunk".into()])?;
 /// let (best, margin) = judge.margin(&[-12.0, -9.5]).expect("both are possible");
 /// assert_eq!((best, margin), (1, 2.5));
-/// assert_eq!(judge.verdict(judge.choose(&[-12.0, -9.5])).name(), "trunk");
+/// assert_eq!(judge.choose(&[-12.0, -9.5]).name(), "trunk");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judge {
-    categories: Vec<String>,
+    categories: Vec<Arc<str>>,
     log_prior: Vec<f64>,
     rule: Rule,
 }
@@ -261,35 +230,23 @@ impl Judge {
         (best > f64::NEG_INFINITY).then_some((index, best - second))
     }
 
-    /// The choice for log-likelihoods given in the order of the categories.
+    /// The verdict on log-likelihoods given in the order of the categories. Nothing is allocated.
     ///
-    /// The choice is uncertain if no model admits the data (all scores are −inf) or two categories tie. A single
+    /// It is uncertain if no model admits the data (all scores are −inf) or two categories tie. A single
     /// category always wins. Scores beyond the number of categories are ignored.
-    pub fn choose(&self, log_likelihood: &[f64]) -> Choice {
-        let Some((index, margin)) = self.margin(log_likelihood) else { return Choice::Uncertain };
+    pub fn choose(&self, log_likelihood: &[f64]) -> Verdict {
+        let Some((index, margin)) = self.margin(log_likelihood) else { return Verdict::Uncertain };
         match self.rule {
-            _ if margin == 0.0 => Choice::Uncertain,
-            Rule::Argmax => Choice::Category(index),
-            Rule::UncertainBelow { margin: min } if margin < min => Choice::Uncertain,
+            _ if margin == 0.0 => Verdict::Uncertain,
+            Rule::UncertainBelow { margin: min } if margin < min => Verdict::Uncertain,
             Rule::OutlierBand { uncertain_below, category_above } if margin <= category_above => {
                 if margin < uncertain_below || uncertain_below == category_above {
-                    Choice::Uncertain
+                    Verdict::Uncertain
                 } else {
-                    Choice::Outlier
+                    Verdict::Outlier
                 }
             }
-            _ => Choice::Category(index),
-        }
-    }
-
-    /// The name of a choice made by this judge.
-    pub fn verdict(&self, choice: Choice) -> Verdict {
-        match choice {
-            Choice::Category(index) => {
-                self.categories.get(index).cloned().map_or(Verdict::Uncertain, Verdict::Category)
-            }
-            Choice::Uncertain => Verdict::Uncertain,
-            Choice::Outlier => Verdict::Outlier,
+            _ => Verdict::Category(Arc::clone(&self.categories[index])),
         }
     }
 }

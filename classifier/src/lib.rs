@@ -50,7 +50,7 @@
 //!
 //! let scores = models.score_all(&[&press(None, 180.0, 99)], models.score_kind())?;
 //! let judge = Decision::paper().prepare(&models.categories())?;
-//! let verdict = judge.verdict(judge.choose(&scores[0]));
+//! let verdict = judge.choose(&scores[0]);
 //! assert_eq!(verdict.name(), "trunk");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

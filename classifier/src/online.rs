@@ -7,7 +7,7 @@ use glam::DVec3;
 use thiserror::Error;
 use underbrush_recording::{Frame, Sample, SkinLayout};
 
-use crate::decision::{Choice, Decision, DecisionError, Judge, Verdict};
+use crate::decision::{Decision, DecisionError, Judge, Verdict};
 use crate::error::ModelError;
 use crate::estimator::{Classifier, OnlineScorer};
 use crate::feature::{MOTION, SampleFault};
@@ -93,8 +93,8 @@ pub struct TaxelVerdict {
 /// Scores each taxel of a patch from the start of its contact to its end (paper, section V-B), by any classifier.
 ///
 /// After k samples of a contact its scores equal [`Classifier::scores_after`] k samples of the same trial, bit for bit.
-/// With hidden Markov models nothing is allocated after the first frame, except for the name when a verdict changes,
-/// and for contact regions if a feature describes them.
+/// With hidden Markov models nothing is allocated after the first frame, except for contact regions if a feature describes
+/// them.
 ///
 /// ```
 /// use glam::DVec3;
@@ -152,7 +152,6 @@ struct Contact {
     travel: Travel,
     /// Whether the sample of the current frame can change the scores.
     scored: bool,
-    choice: Choice,
     verdict: TaxelVerdict,
 }
 
@@ -178,7 +177,6 @@ impl OnlineClassifier {
             slot: None,
             travel: Travel::from(DVec3::ZERO),
             scored: false,
-            choice: Choice::Uncertain,
             verdict: TaxelVerdict {
                 taxel,
                 samples: 0,
@@ -217,11 +215,7 @@ impl OnlineClassifier {
         for contact in &mut self.contacts {
             if let Some(slot) = contact.slot.filter(|_| contact.scored) {
                 self.scorer.scores(slot, &mut contact.verdict.scores)?;
-                let choice = self.judge.choose(&contact.verdict.scores);
-                if choice != contact.choice {
-                    contact.choice = choice;
-                    contact.verdict.verdict = self.judge.verdict(choice);
-                }
+                contact.verdict.verdict = self.judge.choose(&contact.verdict.scores);
             }
         }
         Ok(self.contacts.iter().filter(|contact| contact.slot.is_some()).map(|contact| &contact.verdict))

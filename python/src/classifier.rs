@@ -145,7 +145,7 @@ impl PyModel {
         let decision = self.deciding(decision)?;
         let judge = decision.prepare(&self.model.classifier.categories())?;
         let scores = self.scores_of_all(py, trials)?;
-        let verdict = |scores: &Vec<f64>| judge.verdict(judge.choose(scores)).name().to_owned();
+        let verdict = |scores: &Vec<f64>| judge.choose(scores).name().to_owned();
         Ok(scores.iter().map(verdict).collect())
     }
 

@@ -4,21 +4,25 @@ fn categories() -> Vec<String> {
     vec!["leaf".into(), "trunk".into()]
 }
 
+fn category(name: &str) -> Verdict {
+    Verdict::Category(name.into())
+}
+
 /// Tests the thresholds of section V-D: a category above 80, an outlier from 15 to 80, uncertain below 15, whichever
 /// category is best.
 #[test]
 fn the_papers_thresholds_cut_where_it_says() {
     let judge = Decision::paper().prepare(&categories()).unwrap();
     for (margin, expected) in [
-        (80.001, Choice::Category(1)),
-        (80.0, Choice::Outlier),
-        (15.0, Choice::Outlier),
-        (14.999, Choice::Uncertain),
-        (0.0, Choice::Uncertain),
-        (-14.0, Choice::Uncertain),
-        (-40.0, Choice::Outlier),
-        (-200.0, Choice::Category(0)),
-        (f64::INFINITY, Choice::Category(1)),
+        (80.001, category("trunk")),
+        (80.0, Verdict::Outlier),
+        (15.0, Verdict::Outlier),
+        (14.999, Verdict::Uncertain),
+        (0.0, Verdict::Uncertain),
+        (-14.0, Verdict::Uncertain),
+        (-40.0, Verdict::Outlier),
+        (-200.0, category("leaf")),
+        (f64::INFINITY, category("trunk")),
     ] {
         assert_eq!(judge.choose(&[0.0, margin]), expected, "margin {margin}");
     }
@@ -30,8 +34,8 @@ fn priors_shift_the_margin() {
     for unit in [1.0, 50.0] {
         let prior = BTreeMap::from([("leaf".to_owned(), 0.9 * unit), ("trunk".to_owned(), 0.1 * unit)]);
         let judge = Decision { prior, rule: Rule::Argmax }.prepare(&categories()).unwrap();
-        assert_eq!(judge.choose(&[-10.0, -7.81]), Choice::Category(0));
-        assert_eq!(judge.choose(&[-10.0, -7.79]), Choice::Category(1));
+        assert_eq!(judge.choose(&[-10.0, -7.81]), category("leaf"));
+        assert_eq!(judge.choose(&[-10.0, -7.79]), category("trunk"));
     }
 }
 
@@ -39,19 +43,19 @@ fn priors_shift_the_margin() {
 #[test]
 fn impossible_data_are_uncertain() {
     let judge = Decision::argmax().prepare(&categories()).unwrap();
-    assert_eq!(judge.choose(&[f64::NEG_INFINITY; 2]), Choice::Uncertain);
-    assert_eq!(judge.choose(&[-3.0, -3.0]), Choice::Uncertain);
-    assert_eq!(judge.choose(&[f64::NEG_INFINITY, -1e5]), Choice::Category(1));
+    assert_eq!(judge.choose(&[f64::NEG_INFINITY; 2]), Verdict::Uncertain);
+    assert_eq!(judge.choose(&[-3.0, -3.0]), Verdict::Uncertain);
+    assert_eq!(judge.choose(&[f64::NEG_INFINITY, -1e5]), category("trunk"));
     let alone = Decision::paper().prepare(&["leaf".into()]).unwrap();
-    assert_eq!(alone.verdict(alone.choose(&[-5.0])), Verdict::Category("leaf".into()));
+    assert_eq!(alone.choose(&[-5.0]), category("leaf"));
 }
 
 /// Tests the rule of section V-B at its threshold.
 #[test]
 fn plain_threshold() {
     let judge = Decision::new(Rule::UncertainBelow { margin: 2.0 }).prepare(&categories()).unwrap();
-    assert_eq!(judge.choose(&[2.0, 0.0]), Choice::Category(0));
-    assert_eq!(judge.choose(&[1.999, 0.0]), Choice::Uncertain);
+    assert_eq!(judge.choose(&[2.0, 0.0]), category("leaf"));
+    assert_eq!(judge.choose(&[1.999, 0.0]), Verdict::Uncertain);
 }
 
 /// Tests which priors and thresholds are refused.
@@ -82,7 +86,7 @@ fn invalid_decisions_are_refused() {
 #[test]
 fn verdicts_are_written_in_words() {
     let json = |verdict: &Verdict| serde_json::to_string(verdict).unwrap();
-    assert_eq!(json(&Verdict::Category("leaf".into())), r#"{"category":"leaf"}"#);
+    assert_eq!(json(&category("leaf")), r#"{"category":"leaf"}"#);
     assert_eq!(json(&Verdict::Outlier), r#""outlier""#);
     let text = serde_json::to_string(&Decision::paper()).unwrap();
     assert_eq!(text, r#"{"rule":{"outlier_band":{"uncertain_below":15.0,"category_above":80.0}}}"#);

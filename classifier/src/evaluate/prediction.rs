@@ -37,7 +37,7 @@ impl Prediction {
             fold,
             samples: trial.samples.len(),
             touched: trial.touched(),
-            verdict: judge.verdict(judge.choose(&scores)),
+            verdict: judge.choose(&scores),
             scores,
         }
     }

@@ -261,7 +261,7 @@ pub(super) fn scored(rows: &[(&str, [f64; 2])]) -> Evaluation {
         samples: 1,
         touched: None,
         scores: scores.to_vec(),
-        verdict: judge.verdict(judge.choose(scores)),
+        verdict: judge.choose(scores),
     });
     Evaluation::of(predictions.collect(), &names, vec![]).unwrap()
 }

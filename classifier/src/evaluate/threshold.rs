@@ -257,7 +257,7 @@ fn rates_by<'a>(
 ) -> Rates {
     let categories = held_out.known_categories();
     let records = scored.map(|(prediction, scores)| Record {
-        verdict: judge.choose(scores).index(categories.len()),
+        verdict: judge.choose(scores).index(categories).unwrap_or(categories.len()),
         ..prediction.record(categories)
     });
     ConfusionMatrix::of(records, categories).rates()

@@ -126,7 +126,7 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
     let scores = score::of_trials(&model, &trials, &options.input)?;
     let verdicts = trials.iter().zip(scores).map(|(trial, scores)| TrialVerdict {
         trial: trial.trial,
-        verdict: judge.verdict(judge.choose(&scores)),
+        verdict: judge.choose(&scores),
         truth: trial.category.clone(),
         scores: categories.iter().cloned().zip(scores).collect(),
     });

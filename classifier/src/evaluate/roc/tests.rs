@@ -132,7 +132,7 @@ fn the_curve_passes_through_the_rule() {
         let own: Vec<_> =
             evaluation.predictions.iter().filter(|prediction| (prediction.category == "outlier") == outlier).collect();
         let called =
-            own.iter().filter(|prediction| judge.choose(&prediction.scores) == crate::decision::Choice::Outlier);
+            own.iter().filter(|prediction| judge.choose(&prediction.scores) == crate::decision::Verdict::Outlier);
         called.count() as f64 / own.len() as f64
     };
     // The last point with a margin of at most 80 nats, the paper's upper threshold.
