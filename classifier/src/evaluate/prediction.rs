@@ -83,16 +83,16 @@ impl Record<'_> {
     /// which does not normally belong to the environment in question" (section V-D), and the leaves stand in these
     /// blocks (section IV-A). It is not a leaf or a trunk either.
     pub fn is_right(&self, categories: &[String]) -> bool {
-        match categories.get(self.verdict) {
-            Some(category) => category == self.truth,
-            None => self.verdict == categories.len() + 1 && is_foreign(self.truth, categories),
-        }
+        is_right(self.truth, self.verdict, categories)
     }
 }
 
-/// Whether a verdict of this name is right, as in [`Record::is_right`].
-pub(super) fn is_right(truth: &str, verdict: &str, categories: &[String]) -> bool {
-    if verdict == Verdict::Outlier.name() { is_foreign(truth, categories) } else { verdict == truth }
+/// Whether the verdict with this index is right, as in [`Record::is_right`].
+pub(super) fn is_right(truth: &str, verdict: usize, categories: &[String]) -> bool {
+    match categories.get(verdict) {
+        Some(category) => category == truth,
+        None => verdict == categories.len() + 1 && is_foreign(truth, categories),
+    }
 }
 
 /// Whether something is unknown to a classifier with these categories, and no foam block.

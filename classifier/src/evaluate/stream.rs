@@ -49,11 +49,11 @@ impl Tally {
         self.correct + self.misclassified + self.uncertain
     }
 
-    /// Counts taxels with this truth and verdict, by a classifier with these categories.
-    fn count(&mut self, truth: Option<Category>, verdict: &str, categories: &[String], count: usize) {
+    /// Counts taxels with this truth and index of a verdict, by a classifier with these categories.
+    fn count(&mut self, truth: Option<Category>, verdict: usize, categories: &[String], count: usize) {
         match truth {
             None => self.unknown += count,
-            _ if verdict == Verdict::Uncertain.name() => self.uncertain += count,
+            _ if verdict == categories.len() => self.uncertain += count,
             Some(truth) if is_right(truth.name(), verdict, categories) => self.correct += count,
             Some(_) => self.misclassified += count,
         }
@@ -85,8 +85,6 @@ pub struct StreamFrame {
 pub struct StreamContact {
     /// The truth of the first sample that has one. Contacts that never have one are left out.
     pub truth: Category,
-    /// Number of samples of the contact, from the first reading above the threshold.
-    pub samples: usize,
     /// The number of samples that had arrived when the verdict was right for the first time; `None` if it never was.
     pub first_right: Option<usize>,
 }
@@ -120,7 +118,7 @@ impl Stream {
     pub fn tally_of(&self, truth: Category) -> Tally {
         let mut tally = Tally::default();
         let Some(row) = self.truths.iter().position(|other| *other == truth) else { return tally };
-        for (verdict, count) in self.verdicts.iter().zip(&self.taxel_frames[row]) {
+        for (verdict, count) in self.taxel_frames[row].iter().enumerate() {
             tally.count(Some(truth), verdict, self.categories(), *count);
         }
         tally

@@ -14,8 +14,6 @@ const TENTH_SECOND_SAMPLES: usize = 10;
 pub struct JudgedContact {
     /// Index of the true category.
     pub category: usize,
-    /// Number of samples.
-    pub samples: usize,
     /// The likeliest category at its end.
     pub at_end: usize,
     /// The likeliest category after ten samples, or at its end if it is shorter.
@@ -74,7 +72,6 @@ impl OpenContact {
         let (category, _) = largest(self.votes.into_iter().enumerate()).filter(|(_, votes)| *votes > 0)?;
         (category < self.first_verdicts.len()).then(|| JudgedContact {
             category,
-            samples: self.samples,
             at_end: self.likeliest,
             after_tenth_second: self.after_tenth_second,
             samples_until_right: self.first_verdicts[category],

@@ -164,7 +164,7 @@ mod tests {
     use super::*;
 
     fn contact(category: usize, ends: [usize; 2], samples_until_right: Option<usize>) -> JudgedContact {
-        JudgedContact { category, samples: 30, at_end: ends[1], after_tenth_second: ends[0], samples_until_right }
+        JudgedContact { category, at_end: ends[1], after_tenth_second: ends[0], samples_until_right }
     }
 
     /// Tests every figure of a small evaluation against values counted by hand.

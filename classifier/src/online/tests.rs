@@ -132,14 +132,13 @@ fn regions_need_a_grid() {
 
 #[test]
 fn a_frame_allocates_nothing() {
-    // Tests that nothing is allocated when contacts begin, continue and end, from the first frame on. A change of
-    // verdict copies the category's name, so here all verdicts stay uncertain.
+    // Tests that nothing is allocated when contacts begin, continue and end and verdicts change, from the first frame on.
     let recording = reach();
     let mut models =
         models(&recording, &Recipe { states: 3, features: FeatureSet::FORCE_AND_MOTION, ..Recipe::authors() });
     for kind in [ScoreKind::Forward, ScoreKind::Viterbi] {
         models.score = Some(kind);
-        let options = OnlineOptions { decision: Decision::new(Rule::UncertainBelow { margin: 1e9 }), ..options() };
+        let options = OnlineOptions { decision: Decision::argmax(), ..options() };
         let mut classifier = OnlineClassifier::new(&models, &recording.layout, &options).unwrap();
         let mut verdicts = 0;
         let allocations = allocation_counter::measure(|| {

@@ -1,9 +1,10 @@
 //! Verdicts on a recorded reach, taxel by taxel and frame by frame, counted by the truth.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-use underbrush_recording::{Category, Frame, Recording, SkinLayout};
+use underbrush_recording::{Category, Frame, Recording};
 
 use super::super::prediction::is_right;
 use super::{NOTHING, Stream, StreamContact, StreamFrame, StreamTruth, Tally};
@@ -13,8 +14,8 @@ use crate::{Classifier, OnlineClassifier, OnlineError, OnlineOptions, TrialError
 
 /// A verdict on a taxel in contact.
 struct Judged {
-    /// Its index in the skin.
-    taxel: usize,
+    /// Index of its patch in the skin, and of the taxel in its patch.
+    place: (usize, usize),
     /// Samples since its contact began, at least 1.
     samples: usize,
     /// Index of the verdict in [`Stream::verdicts`].
@@ -22,7 +23,7 @@ struct Judged {
 }
 
 /// The last verdict on a taxel.
-#[derive(Clone, Debug, Default)]
+#[derive(Default)]
 struct Last {
     verdict: Option<usize>,
     samples_used: usize,
@@ -43,13 +44,13 @@ pub fn classify_stream(
     let mut online = OnlineClassifier::new(classifier, &recording.layout, options)?;
     let categories = classifier.categories();
     let stream = Stream::new(&categories, &[], recording, truth);
-    let patches: Vec<usize> = recording.layout.chosen_patch(options.patch.as_deref()).into_iter().collect();
-    let first = first_taxels(&recording.layout);
-    stream.judged_by(recording, &patches, truth, |frame, judged| {
+    // There is such a patch, or there would be no classifier.
+    let patch = recording.layout.chosen_patch(options.patch.as_deref()).unwrap_or_default();
+    stream.judged_by(recording, &[patch], truth, |frame, judged| {
         let verdicts = online.update(frame)?;
         let taxels = verdicts.filter_map(|taxel| {
             let verdict = taxel.verdict.index(&categories)?;
-            Some(Judged { taxel: first[*patches.first()?] + taxel.taxel, samples: taxel.samples, verdict })
+            Some(Judged { place: (patch, taxel.taxel), samples: taxel.samples, verdict })
         });
         judged.extend(taxels);
         Ok(())
@@ -66,11 +67,10 @@ pub fn classify_touch_stream(model: &Arc<TouchModel>, recording: &Recording) -> 
     let categories = model.categories();
     let stream = Stream::new(categories, &[NOTHING], recording, StreamTruth::Object);
     let patches = model.options().judged_patches(&recording.layout);
-    let first = first_taxels(&recording.layout);
     stream.judged_by(recording, &patches, StreamTruth::Object, |frame, judged| {
         classifier.update(frame)?;
         judged.extend(classifier.taxels().iter().map(|taxel| Judged {
-            taxel: first[taxel.patch] + taxel.taxel,
+            place: (taxel.patch, taxel.taxel),
             samples: taxel.samples,
             verdict: match taxel.touch {
                 Touch::Category(index) => index,
@@ -83,41 +83,8 @@ pub fn classify_touch_stream(model: &Arc<TouchModel>, recording: &Recording) -> 
     })
 }
 
-/// The index in the skin of the first taxel of each patch.
-fn first_taxels(layout: &SkinLayout) -> Vec<usize> {
-    let mut next = 0;
-    let first = layout.patches.iter().map(|patch| {
-        next += patch.taxels.len();
-        next - patch.taxels.len()
-    });
-    first.collect()
-}
-
-/// Which objects truly press on the taxels of some patches in one frame.
-struct Pressing {
-    by_taxel: Vec<(usize, Category)>,
-    /// Whether each of the categories presses.
-    touched: Vec<bool>,
-}
-
-impl Pressing {
-    /// `first` has the index in the skin of each patch's first taxel.
-    fn of(frame: &Frame, patches: &[usize], first: &[usize], recording: &Recording, truths: &[Category]) -> Self {
-        let readings = frame.taxels.iter().filter(|reading| patches.contains(&usize::from(reading.patch)));
-        let pressed = readings.filter_map(|reading| {
-            let object = recording.objects.get(usize::from(reading.object?))?;
-            Some((first[usize::from(reading.patch)] + usize::from(reading.taxel), object.category))
-        });
-        let by_taxel: Vec<(usize, Category)> = pressed.collect();
-        let presses = |truth: &Category| by_taxel.iter().any(|(_, category)| category == truth);
-        let touched = truths.iter().map(presses).collect();
-        Pressing { by_taxel, touched }
-    }
-
-    fn on(&self, taxel: usize) -> Option<Category> {
-        self.by_taxel.iter().find(|own| own.0 == taxel).map(|own| own.1)
-    }
-}
+/// Which objects truly press on the taxels of some patches in one frame, by [`Judged::place`].
+type Pressing = BTreeMap<(usize, usize), Category>;
 
 impl Stream {
     /// A stream without frames. `further` are the names of verdicts after the usual ones.
@@ -151,57 +118,57 @@ impl Stream {
         truth: StreamTruth,
         mut judge: impl FnMut(&Frame, &mut Vec<Judged>) -> Result<(), E>,
     ) -> Result<Self, E> {
-        let first = first_taxels(&recording.layout);
-        let (mut judged, mut last) = (Vec::new(), Vec::new());
+        let (mut judged, mut last) = (Vec::new(), BTreeMap::new());
         for frame in &recording.frames {
             judged.clear();
             let start = Instant::now();
             judge(frame, &mut judged)?;
             self.seconds.push(start.elapsed().as_secs_f64());
-            let pressing = Pressing::of(frame, patches, &first, recording, &self.truths);
+            let readings = frame.taxels.iter().filter(|reading| patches.contains(&usize::from(reading.patch)));
+            let pressing = readings.filter_map(|reading| {
+                let object = recording.objects.get(usize::from(reading.object?))?;
+                Some(((usize::from(reading.patch), usize::from(reading.taxel)), object.category))
+            });
+            let pressing: Pressing = pressing.collect();
             self.observe(frame.time_s, &judged, &pressing, truth, &mut last);
         }
         Ok(self)
     }
 
-    /// Counts the verdicts on a frame. `last` has the last verdict on each taxel.
+    /// Counts the verdicts on a frame. `last` has the last verdict on each taxel that was in contact.
     fn observe(
         &mut self,
         time_s: f64,
         judged: &[Judged],
         pressing: &Pressing,
         truth: StreamTruth,
-        last: &mut Vec<Last>,
+        last: &mut BTreeMap<(usize, usize), Last>,
     ) {
-        let uncertain = self.verdicts.iter().position(|name| name == Verdict::Uncertain.name());
         let mut frame = StreamFrame {
             time_s,
             in_contact: judged.len(),
             tally: Tally::default(),
             by_verdict: vec![0; self.verdicts.len()],
-            touched: pressing.touched.clone(),
+            touched: self.truths.iter().map(|truth| pressing.values().any(|own| own == truth)).collect(),
             mean_samples_used: 0.0,
             mean_samples_since_contact: 0.0,
         };
         let (mut used, mut since_contact) = (0, 0);
         for taxel in judged {
-            if last.len() <= taxel.taxel {
-                last.resize(taxel.taxel + 1, Last::default());
-            }
-            let last = &mut last[taxel.taxel];
+            let last = last.entry(taxel.place).or_default();
             if taxel.samples == 1 || last.verdict != Some(taxel.verdict) {
                 last.verdict = Some(taxel.verdict);
-                last.samples_used = if last.verdict == uncertain { 0 } else { taxel.samples };
+                last.samples_used = if taxel.verdict == self.categories().len() { 0 } else { taxel.samples };
             }
             let truth = match truth {
-                StreamTruth::Object => pressing.on(taxel.taxel),
+                StreamTruth::Object => pressing.get(&taxel.place).copied(),
                 StreamTruth::Environment(category) => Some(category),
             };
             if taxel.samples == 1 {
                 last.contact = None;
             }
             self.follow(&mut last.contact, truth, taxel);
-            frame.tally.count(truth, &self.verdicts[taxel.verdict], self.categories(), 1);
+            frame.tally.count(truth, taxel.verdict, self.categories(), 1);
             used += last.samples_used;
             since_contact += taxel.samples;
             let row = truth.and_then(|truth| self.truths.iter().position(|category| *category == truth));
@@ -221,12 +188,10 @@ impl Stream {
             && let Some(truth) = truth
         {
             *place = Some(self.contacts.len());
-            self.contacts.push(StreamContact { truth, samples: 0, first_right: None });
+            self.contacts.push(StreamContact { truth, first_right: None });
         }
-        let verdict = &self.verdicts[taxel.verdict];
-        let is_right = truth.is_some_and(|truth| is_right(truth.name(), verdict, self.categories()));
+        let is_right = truth.is_some_and(|truth| is_right(truth.name(), taxel.verdict, self.categories()));
         let Some(contact) = place.and_then(|place| self.contacts.get_mut(place)) else { return };
-        contact.samples = taxel.samples;
         if contact.first_right.is_none() && is_right {
             contact.first_right = Some(taxel.samples);
         }

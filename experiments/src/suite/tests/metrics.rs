@@ -67,7 +67,7 @@ fn reach() -> Recording {
 /// Verdicts on that reach: of 10 taxel frames on the leaf 6 are right, 1 is called nothing, 1 an outlier, and 2 are
 /// uncertain. Nothing presses in 4 more, of which 1 is called nothing.
 fn stream() -> Stream {
-    let contact = |truth, first_right| StreamContact { truth, samples: 20, first_right };
+    let contact = |truth, first_right| StreamContact { truth, first_right };
     let frame = |in_contact| StreamFrame {
         time_s: 0.0,
         in_contact,
