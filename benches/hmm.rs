@@ -47,7 +47,7 @@ fn trials() -> Vec<Trial> {
 /// Models with this number of states, trained on the presses by the authors' recipe.
 fn models(states: usize) -> HmmClassifier {
     let recipe = Recipe { states, ..Recipe::authors() };
-    HmmClassifier::train(&trials(), &recipe).expect("the trials can be trained on").0
+    HmmClassifier::train(&trials(), &recipe).expect("the trials can be trained on")
 }
 
 /// The presses of a category as the models see them.

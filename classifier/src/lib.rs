@@ -45,8 +45,8 @@
 //! let trials: Vec<Trial> = soft.chain(stiff).collect();
 //!
 //! let recipe = Recipe { states: 5, ..Recipe::authors() };
-//! let (models, report) = HmmClassifier::train(&trials, &recipe)?;
-//! println!("{:?}", report.categories["leaf"].stop);
+//! let models = HmmClassifier::train(&trials, &recipe)?;
+//! println!("{:?}", models.training["leaf"].stop);
 //!
 //! let scores = models.score_all(&[&press(None, 180.0, 99)], models.score_kind())?;
 //! let judge = Decision::paper().prepare(&models.categories())?;
@@ -97,7 +97,7 @@ pub use evaluate::{Evaluation, FoldBy, Folds, ThresholdTargets, cross_validate};
 pub use feature::{FeatureError, FeatureSet, SampleFault};
 pub use frequency::frequencies;
 pub use hmm::{ScoreKind, TrainingHistory};
-pub use hmm_classifier::{HmmClassifier, TrainingReport};
+pub use hmm_classifier::HmmClassifier;
 pub use model_file::{Model, schema as model_schema};
 pub use online::{OnlineClassifier, OnlineError, OnlineOptions};
 pub use paper_rule::Scores;

@@ -81,8 +81,8 @@ fn check(configuration: &str) {
     assert!(at_start < 1e-9, "{configuration}, start: {at_start:e}");
 
     let options = TrainingOptions { iterations: 20, tolerance: 0.0, variance_floor: 0.0 };
-    let (trained, report) = HmmClassifier::train_from(start, &trials, &options).unwrap();
-    for history in report.categories.values() {
+    let trained = HmmClassifier::train_from(start, &trials, &options).unwrap();
+    for history in trained.training.values() {
         assert_eq!((history.log_likelihood.len(), history.stop), (21, Stop::MaxIterations));
         for pair in history.log_likelihood.windows(2) {
             assert!(pair[1] >= pair[0] - 1e-9 * pair[0].abs(), "{configuration}: fell from {} to {}", pair[0], pair[1]);

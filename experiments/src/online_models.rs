@@ -31,5 +31,5 @@ impl Models {
 pub fn run(session: &Session) -> Result<Models, Fault> {
     let data = session.once(training::run)?;
     let recipe = session.experiment.main_recipe();
-    session.stage("Models", || Ok(Models(HmmClassifier::train(&data.trials.taxel, &recipe)?.0)))
+    session.stage("Models", || Ok(Models(HmmClassifier::train(&data.trials.taxel, &recipe)?)))
 }

@@ -117,7 +117,7 @@ pub fn fit(
             return Ok(Model::new(options.estimator()?.fit(&trials.all())?));
         };
         let models = Model::from_json("the start model", &start.model.save_string()?)?.into_hmm()?;
-        Ok(Model::new(Box::new(HmmClassifier::train_from(models, &trials.list, &training.unwrap_or_default())?.0)))
+        Ok(Model::new(Box::new(HmmClassifier::train_from(models, &trials.list, &training.unwrap_or_default())?)))
     };
     let model = watched(py, jobs, &Arc::default(), None, |_| {
         let mut model = fitted()?;

@@ -7,10 +7,9 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::json;
 use underbrush_classifier::evaluate::{ChosenThresholds, Folds, HeldOut, ThresholdError, ThresholdTargets};
-use underbrush_classifier::hmm::Stop;
+use underbrush_classifier::hmm::{Stop, TrainingHistory};
 use underbrush_classifier::{
-    Classifier, DataKind, Estimator, HmmClassifier, Model, ModelError, Provenance, Rule, TrainingReport, any_model,
-    is_trained,
+    Classifier, DataKind, Estimator, HmmClassifier, Model, ModelError, Provenance, Rule, any_model, is_trained,
 };
 use underbrush_experiments::model_data;
 use underbrush_recording::Trial;
@@ -85,13 +84,14 @@ struct Trained<'a> {
 #[serde(untagged)]
 enum Report {
     /// Training of each category's model; only for hidden Markov models, which are trained iteratively.
-    Training(TrainingReport),
-    Counts(Counts),
+    Training(Counts<TrainingHistory>),
+    Counts(Counts<Count>),
 }
 
 #[derive(Serialize)]
-struct Counts {
-    categories: BTreeMap<String, Count>,
+struct Counts<C> {
+    categories: BTreeMap<String, C>,
+    /// Number of trials to whose category nothing is fitted.
     skipped_trials: usize,
 }
 
@@ -177,8 +177,7 @@ fn continued(options: &TrainOptions, start: &Path, path: &Path, trials: &[Trial]
         )
     })?;
     let trained = HmmClassifier::train_from(models, trials, &options.estimator.training()?);
-    let (models, _) = trained.map_err(|error| about(path, error))?;
-    Ok(Model::new(Box::new(models)))
+    Ok(Model::new(Box::new(trained.map_err(|error| about(path, error))?)))
 }
 
 /// An error about the trials, unless an option is at fault.
@@ -203,7 +202,7 @@ fn report(classifier: &dyn Classifier, trials: &[Trial]) -> Report {
     let used: usize = categories.values().map(|count| count.trials).sum();
     let skipped_trials = trials.len() - used;
     match classifier.training() {
-        Some(training) => Report::Training(TrainingReport { categories: training.clone(), skipped_trials }),
+        Some(training) => Report::Training(Counts { categories: training.clone(), skipped_trials }),
         None => Report::Counts(Counts { categories, skipped_trials }),
     }
 }
@@ -274,7 +273,7 @@ fn thresholds_text(chosen: &ChosenThresholds) -> String {
     text
 }
 
-fn text(report: &TrainingReport) -> String {
+fn text(report: &Counts<TrainingHistory>) -> String {
     let end = |value: Option<&f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
     let mut text = Rows::of(&report.categories)
         .column("category", |(category, _)| category.as_str())
@@ -305,7 +304,7 @@ fn skipped_text(skipped: usize) -> String {
     }
 }
 
-fn counts_text(classifier: &str, counts: &Counts) -> String {
+fn counts_text(classifier: &str, counts: &Counts<Count>) -> String {
     let table = Rows::of(&counts.categories)
         .column("category", |(category, _)| category.as_str())
         .column("trials", |(_, count)| count.trials)

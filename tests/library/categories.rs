@@ -66,7 +66,7 @@ fn a_further_category_goes_from_a_reach_to_verdicts() {
     assert!(categories.contains("leaf") && categories.contains("post"), "{categories:?}");
     assert!(!categories.contains("trunk") && is_trained("post"));
 
-    let (models, _) = HmmClassifier::train(&trials, &Recipe { states: 3, ..Recipe::modern() }).unwrap();
+    let models = HmmClassifier::train(&trials, &Recipe { states: 3, ..Recipe::modern() }).unwrap();
     assert_eq!(models.categories(), ["leaf", "post"]);
     let options =
         OnlineOptions { patch: None, threshold_n: TrialOptions::default().threshold_n, decision: Decision::argmax() };

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
-use serde::Serialize;
 use underbrush_recording::Trial;
 
 use super::{HmmClassifier, prepared};
@@ -12,15 +11,6 @@ use crate::estimator::trials_by_category;
 use crate::feature::Scaling;
 use crate::hmm::{GaussianHmm, TrainingError, TrainingHistory, TrainingOptions, equal_slice_start, train};
 use crate::recipe::{Recipe, ScalingKind, check_training};
-
-/// The report of a training.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct TrainingReport {
-    /// By category.
-    pub categories: BTreeMap<String, TrainingHistory>,
-    /// Number of trials that were skipped, because no model is fitted to their category.
-    pub skipped_trials: usize,
-}
 
 impl HmmClassifier {
     /// Trains one model per category by `recipe`, in parallel. The result is bit for bit the same for any number of
@@ -31,13 +21,8 @@ impl HmmClassifier {
     /// # Errors
     /// [`ModelError`] if the recipe is outside its ranges, no trial has a category, a trial lacks a feature, or
     /// training fails.
-    pub fn train<'a>(
-        trials: impl IntoIterator<Item = &'a Trial, IntoIter: Clone>,
-        recipe: &Recipe,
-    ) -> Result<(Self, TrainingReport), ModelError> {
+    pub fn train<'a>(trials: impl IntoIterator<Item = &'a Trial>, recipe: &Recipe) -> Result<Self, ModelError> {
         recipe.check()?;
-        let trials = trials.into_iter();
-        let count = trials.clone().count();
         let mut sequences = BTreeMap::new();
         for (category, trials) in trials_by_category(trials)? {
             let own = trials.iter().map(|trial| recipe.features.observations(trial, recipe.max_samples));
@@ -58,10 +43,11 @@ impl HmmClassifier {
                     .and_then(|start| train(&start, &sequences, options));
             with_category(category, model)
         });
-        let (models, report) = collect(trained.collect(), count)?;
+        // The first error in alphabetical order of categories is returned, for any number of threads.
+        let trained: Vec<Result<Trained, ModelError>> = trained.collect();
+        let (models, training): (BTreeMap<_, _>, BTreeMap<_, _>) = trained.into_iter().collect::<Result<_, _>>()?;
         let set = HmmClassifier::new(recipe.features, models)?;
-        let (recipe, training) = (Some(recipe.clone()), report.categories.clone());
-        Ok((HmmClassifier { scaling, recipe, training, ..set }, report))
+        Ok(HmmClassifier { scaling, recipe: Some(recipe.clone()), training, ..set })
     }
 
     /// Continues training from given models, one per category of `start`.
@@ -71,11 +57,7 @@ impl HmmClassifier {
     /// # Errors
     /// [`ModelError`] as for [`HmmClassifier::train`] (the options have the ranges that they have in a recipe), and if
     /// a category of `start` has no trials.
-    pub fn train_from(
-        start: HmmClassifier,
-        trials: &[Trial],
-        options: &TrainingOptions,
-    ) -> Result<(Self, TrainingReport), ModelError> {
+    pub fn train_from(start: HmmClassifier, trials: &[Trial], options: &TrainingOptions) -> Result<Self, ModelError> {
         check_training(options)?;
         let trained: Vec<_> = start
             .models
@@ -90,36 +72,20 @@ impl HmmClassifier {
                 with_category(category.clone(), train(&model.model, &sequences, options))
             })
             .collect();
-        let (models, report) = collect(trained, trials.len())?;
+        let (models, training): (BTreeMap<_, _>, BTreeMap<_, _>) = trained.into_iter().collect::<Result<_, _>>()?;
         let recipe = start.recipe.map(|recipe| Recipe { training: *options, ..recipe });
-        Ok((HmmClassifier { models: prepared(models), recipe, training: report.categories.clone(), ..start }, report))
+        Ok(HmmClassifier { models: prepared(models), recipe, training, ..start })
     }
 }
 
-type Trained = (String, GaussianHmm, TrainingHistory);
+type Trained = ((String, GaussianHmm), (String, TrainingHistory));
 
 fn with_category(
     category: String,
     outcome: Result<(GaussianHmm, TrainingHistory), TrainingError>,
 ) -> Result<Trained, ModelError> {
     match outcome {
-        Ok((model, history)) => Ok((category, model, history)),
+        Ok((model, history)) => Ok(((category.clone(), model), (category, history))),
         Err(source) => Err(ModelError::Training { category, source }),
     }
-}
-
-/// The models and the report, or the first error in alphabetical order of categories.
-fn collect(
-    trained: Vec<Result<Trained, ModelError>>,
-    trials: usize,
-) -> Result<(BTreeMap<String, GaussianHmm>, TrainingReport), ModelError> {
-    let mut models = BTreeMap::new();
-    let mut categories = BTreeMap::new();
-    for outcome in trained {
-        let (category, model, history) = outcome?;
-        models.insert(category.clone(), model);
-        categories.insert(category, history);
-    }
-    let used: usize = categories.values().map(|history| history.trials).sum();
-    Ok((models, TrainingReport { categories, skipped_trials: trials - used }))
 }

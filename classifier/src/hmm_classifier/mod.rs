@@ -17,8 +17,6 @@ use crate::feature::{FeatureError, FeatureSet, Observations, Scaling};
 use crate::hmm::{GaussianHmm, ScoreKind, Scorer, TrainingHistory};
 use crate::{ModelError, Recipe};
 
-pub use fit::TrainingReport;
-
 /// The entry in the list of classifiers.
 pub(crate) const KIND: ClassifierKind = ClassifierKind {
     name: "hmm",
@@ -61,7 +59,7 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
 /// };
 /// let trials: Vec<Trial> = (0..8).flat_map(|k| [press("leaf", 0.02, k), press("trunk", 0.3, k)]).collect();
 /// let recipe = Recipe { states: 3, ..Recipe::authors() };
-/// let (models, _) = HmmClassifier::train(&trials, &recipe)?;
+/// let models = HmmClassifier::train(&trials, &recipe)?;
 /// let scores = models.score_all(&[&press("trunk", 0.25, 3)], models.score_kind())?;
 /// assert!(scores[0][1] > scores[0][0], "trunk is more likely than leaf");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -222,8 +220,7 @@ impl Classifier for HmmClassifier {
 
 impl Estimator for Recipe {
     fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
-        let (models, _) = HmmClassifier::train(trials.iter().copied(), self)?;
-        Ok(Box::new(models))
+        Ok(Box::new(HmmClassifier::train(trials.iter().copied(), self)?))
     }
 }
 

@@ -36,7 +36,7 @@ fn trials_of(recording: &Recording) -> Vec<Trial> {
 }
 
 fn models(recording: &Recording, recipe: &Recipe) -> HmmClassifier {
-    HmmClassifier::train(&trials_of(recording), recipe).unwrap().0
+    HmmClassifier::train(&trials_of(recording), recipe).unwrap()
 }
 
 fn options() -> OnlineOptions {
