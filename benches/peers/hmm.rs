@@ -11,9 +11,9 @@ use std::sync::LazyLock;
 use std::time::Instant;
 
 use serde_json::json;
-use underbrush_classifier::Model;
 use underbrush_classifier::feature::Observations;
 use underbrush_classifier::hmm::{ScoreKind, TrainingOptions, train};
+use underbrush_classifier::{Classifier, any_model};
 use underbrush_recording::{Sample, Trial};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -22,7 +22,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("give TRIALS.csv, MODELS.json and the number of repeats".into());
     };
     let trials = read(&std::fs::read_to_string(trials)?)?;
-    let models = Model::load(models)?.into_hmm()?;
+    let model = any_model::load_of_trials(models.as_ref())?;
+    let models = model.hmm()?;
     let repeats: usize = repeats.parse()?;
     let observations = |trial: &Trial| models.features().observations(trial, None);
     let all: Vec<Observations> = trials.iter().map(observations).collect::<Result<_, _>>()?;

@@ -87,3 +87,15 @@ pub fn load_of_trials(path: &Path) -> Result<Model, ModelError> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tests that the path of a missing file is named.
+    #[test]
+    fn a_missing_file_is_an_input_error() {
+        let error = load(Path::new("no/such/model.json")).unwrap_err();
+        assert!(matches!(&error, ModelError::Input(input) if input.file.ends_with("model.json")), "{error}");
+    }
+}

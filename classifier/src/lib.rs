@@ -24,9 +24,9 @@
 //! press.
 //!
 //! ```
-//! use underbrush_classifier::HmmClassifier;
 //! use underbrush_classifier::decision::Decision;
 //! use underbrush_classifier::recipe::Recipe;
+//! use underbrush_classifier::{Classifier, HmmClassifier};
 //! use underbrush_recording::{Sample, Trial};
 //!
 //! // 0.3 s at 100 Hz, pressing in at 5 cm/s; the k-th press is a little harder or softer than the others.
@@ -48,7 +48,7 @@
 //! let models = HmmClassifier::train(&trials, &recipe)?;
 //! println!("{:?}", models.training["leaf"].stop);
 //!
-//! let scores = models.score_all(&[&press(None, 180.0, 99)], models.score_kind())?;
+//! let scores = models.scores_of_all(&[&press(None, 180.0, 99)])?;
 //! let judge = Decision::paper().prepare(&models.categories())?;
 //! let verdict = judge.choose(&scores[0]);
 //! assert_eq!(verdict.name(), "trunk");

@@ -5,7 +5,7 @@ use crate::decision::{Decision, DecisionError, Rule};
 use crate::hmm_classifier::HmmClassifier;
 use crate::model_file::Model;
 use crate::recipe::{Recipe, ScalingKind};
-use crate::{FeatureSet, ScoreKind};
+use crate::{Classifier, FeatureSet, ScoreKind};
 
 /// The scores that a decision is about. Thresholds are valid for one kind of score only.
 ///
@@ -29,7 +29,7 @@ pub struct Scores<'a> {
 impl<'a> Scores<'a> {
     /// Scores by this model.
     pub fn of_model(model: &'a Model) -> Self {
-        let hmm = model.as_hmm();
+        let hmm = model.hmm().ok();
         let misfit_of = |hmm: &HmmClassifier| misfit(hmm.score_kind(), hmm.features(), hmm.scaling().is_some());
         Scores {
             own: model.decision.as_ref(),

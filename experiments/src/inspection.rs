@@ -249,7 +249,7 @@ fn model_of_trials(path: &Path, model: &Model) -> Value {
         "provenance": model.provenance,
         "check": "sound; all numbers are within their ranges and fit together",
     });
-    if let Some(models) = model.as_hmm() {
+    if let Ok(models) = model.hmm() {
         let states: BTreeMap<&str, usize> =
             models.models().iter().map(|(category, scorer)| (category.as_str(), scorer.model.states)).collect();
         found["states_by_category"] = json!(states);

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use underbrush_classifier::Classifier;
 use underbrush_classifier::decision::Decision;
 use underbrush_classifier::evaluate::{
     ChosenThresholds, FoldBy, Folds, RocCurve, ThresholdTargets, category_roc, choose_thresholds, cross_validate,

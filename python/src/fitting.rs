@@ -116,8 +116,8 @@ pub fn fit(
         let Some(start) = start else {
             return Ok(Model::new(options.estimator()?.fit(&trials.all())?));
         };
-        let models = Model::from_json("the start model", &start.model.save_string()?)?.into_hmm()?;
-        Ok(Model::new(Box::new(HmmClassifier::train_from(models, &trials.list, &training.unwrap_or_default())?)))
+        let (models, training) = (start.model.hmm()?, training.unwrap_or_default());
+        Ok(Model::new(Box::new(HmmClassifier::train_from(models, &trials.list, &training)?)))
     };
     let model = watched(py, jobs, &Arc::default(), None, |_| {
         let mut model = fitted()?;

@@ -171,7 +171,7 @@ impl TrainOptions {
 /// The models of a file, trained further.
 fn continued(options: &TrainOptions, start: &Path, path: &Path, trials: &[Trial]) -> Result<Model, Failure> {
     let start = any_model::load_of_trials(start)?;
-    let models = start.into_hmm().map_err(|_| {
+    let models = start.hmm().map_err(|_| {
         Failure::usage(
             "--start continues the training of hidden Markov models only; give such a model, or leave it out",
         )

@@ -9,7 +9,7 @@ use underbrush_classifier::evaluate::{StreamTruth, classify_stream};
 use underbrush_classifier::online::OnlineOptions;
 use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::trial::{TrialOptions, taxel_trials};
-use underbrush_classifier::{HmmClassifier, is_trained};
+use underbrush_classifier::{Classifier, HmmClassifier, is_trained};
 use underbrush_experiments::Silent;
 use underbrush_experiments::dataset::{Campaign, Written};
 use underbrush_recording::disk::{Dataset, DatasetWriter};

@@ -90,8 +90,8 @@ fn training_numbers(training: &BTreeMap<String, TrainingHistory>) -> Result<(), 
 fn agreement(classifier: &HmmClassifier) -> Result<(), Fault> {
     let Some(recipe) = &classifier.recipe else { return Ok(()) };
     let fault = |key: &str, found: String, allowed: String| Fault::new(format!("recipe.{key}"), found, allowed);
-    if recipe.features != classifier.features() {
-        let (found, allowed) = (recipe.features.columns().join(", "), classifier.features().columns().join(", "));
+    if recipe.features != classifier.features {
+        let (found, allowed) = (recipe.features.columns().join(", "), classifier.features.columns().join(", "));
         return Err(fault("features", found, format!("{allowed}, the features of the models")));
     }
     let is_scaled = recipe.scaling == ScalingKind::ZScore;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use underbrush_recording::Trial;
 
-use super::{HmmClassifier, prepared};
+use super::HmmClassifier;
 use crate::error::ModelError;
 use crate::estimator::trials_by_category;
 use crate::feature::Scaling;
@@ -52,12 +52,13 @@ impl HmmClassifier {
 
     /// Continues training from given models, one per category of `start`.
     ///
-    /// Features, scaling and truncation are taken from `start`. Trials of other categories are skipped.
+    /// Features, scaling and truncation are taken from `start`; the kind of score is the recipe's again. Trials of other
+    /// categories are skipped.
     ///
     /// # Errors
     /// [`ModelError`] as for [`HmmClassifier::train`] (the options have the ranges that they have in a recipe), and if
     /// a category of `start` has no trials.
-    pub fn train_from(start: HmmClassifier, trials: &[Trial], options: &TrainingOptions) -> Result<Self, ModelError> {
+    pub fn train_from(start: &HmmClassifier, trials: &[Trial], options: &TrainingOptions) -> Result<Self, ModelError> {
         check_training(options)?;
         let trained: Vec<_> = start
             .models
@@ -73,8 +74,9 @@ impl HmmClassifier {
             })
             .collect();
         let (models, training): (BTreeMap<_, _>, BTreeMap<_, _>) = trained.into_iter().collect::<Result<_, _>>()?;
-        let recipe = start.recipe.map(|recipe| Recipe { training: *options, ..recipe });
-        Ok(HmmClassifier { models: prepared(models), recipe, training, ..start })
+        let recipe = start.recipe.clone().map(|recipe| Recipe { training: *options, ..recipe });
+        let set = HmmClassifier::new(start.features, models)?;
+        Ok(HmmClassifier { scaling: start.scaling.clone(), recipe, training, ..set })
     }
 }
 

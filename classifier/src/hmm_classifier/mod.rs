@@ -36,10 +36,11 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
 /// The options are a [`Recipe`]. Each category's model has Gaussian emissions and is trained by Baum-Welch on the
 /// category's trials; a trial's score is the forward log-likelihood or the log-probability of the best state path
 /// ([`ScoreKind`]). Samples are assumed to depend on each other only through the hidden state, and to come at a fixed
-/// rate.
+/// rate. If features are scaled, scores are densities of the scaled features; differences between categories do not depend on
+/// the scaling.
 ///
 /// ```
-/// use underbrush_classifier::HmmClassifier;
+/// use underbrush_classifier::{Classifier, HmmClassifier};
 /// use underbrush_classifier::recipe::Recipe;
 /// use underbrush_recording::{Sample, Trial};
 ///
@@ -60,7 +61,7 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
 /// let trials: Vec<Trial> = (0..8).flat_map(|k| [press("leaf", 0.02, k), press("trunk", 0.3, k)]).collect();
 /// let recipe = Recipe { states: 3, ..Recipe::authors() };
 /// let models = HmmClassifier::train(&trials, &recipe)?;
-/// let scores = models.score_all(&[&press("trunk", 0.25, 3)], models.score_kind())?;
+/// let scores = models.scores_of_all(&[&press("trunk", 0.25, 3)])?;
 /// assert!(scores[0][1] > scores[0][0], "trunk is more likely than leaf");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -109,11 +110,6 @@ impl HmmClassifier {
         })
     }
 
-    /// The features of each sample.
-    pub fn features(&self) -> FeatureSet {
-        self.features
-    }
-
     /// The models by category, prepared for scoring.
     pub fn models(&self) -> &BTreeMap<String, Scorer> {
         &self.models
@@ -122,11 +118,6 @@ impl HmmClassifier {
     /// The scaling of the features, if the models were trained on scaled ones.
     pub fn scaling(&self) -> Option<&Scaling> {
         self.scaling.as_ref()
-    }
-
-    /// The categories, in the order of all scores.
-    pub fn categories(&self) -> Vec<String> {
-        self.models.keys().cloned().collect()
     }
 
     /// The kind of score: the one in [`HmmClassifier::score`]; if none was chosen, the recipe's; without a
@@ -144,33 +135,6 @@ impl HmmClassifier {
     /// Number of samples used at the start of each trial; `None` for all.
     pub(crate) fn max_samples(&self) -> Option<usize> {
         self.recipe.as_ref().and_then(|recipe| recipe.max_samples)
-    }
-
-    /// The scores of trials under each category's model, in nats: one row per trial, in the order of
-    /// [`HmmClassifier::categories`]. This uses all threads and is several times as fast as scoring the trials one by
-    /// one.
-    ///
-    /// If features are scaled, these are densities of the scaled features. Differences between categories do not depend
-    /// on the scaling.
-    ///
-    /// # Errors
-    /// [`ModelError::Feature`] if a trial does not give the models' features.
-    pub fn score_all(&self, trials: &[&Trial], kind: ScoreKind) -> Result<Vec<Vec<f64>>, ModelError> {
-        let score = |trials: &[&Trial]| {
-            stop::check();
-            let sequences = trials.iter().map(|trial| self.sequence(trial));
-            let sequences = sequences.collect::<Result<Vec<_>, FeatureError>>()?;
-            let sequences: Vec<&Observations> = sequences.iter().collect();
-            let mut scores = vec![Vec::with_capacity(self.models.len()); trials.len()];
-            for model in self.models.values() {
-                let of_model = model.log_probabilities(kind, &sequences)?;
-                scores.iter_mut().zip(of_model).for_each(|(row, score)| row.push(score));
-            }
-            Ok(scores)
-        };
-        // If there are several errors, the first in the order of the trials is returned, for any number of threads.
-        let parts: Vec<Result<_, ModelError>> = trials.par_chunks(TOGETHER).map(score).collect();
-        Ok(parts.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
     }
 
     /// The features of a trial as the models see them.
@@ -198,7 +162,7 @@ impl Classifier for HmmClassifier {
     }
 
     fn categories(&self) -> Vec<String> {
-        HmmClassifier::categories(self)
+        self.models.keys().cloned().collect()
     }
 
     fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
@@ -209,8 +173,24 @@ impl Classifier for HmmClassifier {
         self.entries()
     }
 
+    /// This uses all threads and is several times as fast as scoring the trials one by one.
     fn scores_of_all(&self, trials: &[&Trial]) -> Result<Vec<Vec<f64>>, ModelError> {
-        self.score_all(trials, self.score_kind())
+        let kind = self.score_kind();
+        let score = |trials: &[&Trial]| {
+            stop::check();
+            let sequences = trials.iter().map(|trial| self.sequence(trial));
+            let sequences = sequences.collect::<Result<Vec<_>, FeatureError>>()?;
+            let sequences: Vec<&Observations> = sequences.iter().collect();
+            let mut scores = vec![Vec::with_capacity(self.models.len()); trials.len()];
+            for model in self.models.values() {
+                let of_model = model.log_probabilities(kind, &sequences)?;
+                scores.iter_mut().zip(of_model).for_each(|(row, score)| row.push(score));
+            }
+            Ok(scores)
+        };
+        // If there are several errors, the first in the order of the trials is returned, for any number of threads.
+        let parts: Vec<Result<_, ModelError>> = trials.par_chunks(TOGETHER).map(score).collect();
+        Ok(parts.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
     }
 
     fn training(&self) -> Option<&BTreeMap<String, TrainingHistory>> {

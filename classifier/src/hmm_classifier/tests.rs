@@ -22,7 +22,7 @@ const MINIMAL: &str = r#"{
 }"#;
 
 fn read(text: &str) -> Result<HmmClassifier, ModelError> {
-    Model::from_json("m.json", text)?.into_hmm()
+    Model::from_json("m.json", text)?.hmm().cloned()
 }
 
 fn fault(from: &str, to: &str) -> InputError {
@@ -68,7 +68,7 @@ fn what_is_written_is_read_back_bit_for_bit() {
     let text = model.save_string().unwrap();
     let read_back = Model::from_json("m.json", &text).unwrap();
     assert_eq!((&read_back.decision, &read_back.provenance), (&model.decision, &model.provenance));
-    assert_eq!(read_back.into_hmm().unwrap(), set);
+    assert_eq!(read_back.hmm().unwrap(), &set);
     assert!(text.contains("[0.1, 0.9]"), "a row of a matrix stands on one line:\n{text}");
 }
 
@@ -83,7 +83,7 @@ fn options_are_checked_before_training_continues() {
     ];
     for (name, options) in refused {
         // There are no trials, so training would fail with another error.
-        match HmmClassifier::train_from(read(MINIMAL).unwrap(), &[], &options).unwrap_err() {
+        match HmmClassifier::train_from(&read(MINIMAL).unwrap(), &[], &options).unwrap_err() {
             ModelError::BadOption(fault) => assert_eq!(fault.field, name),
             other => panic!("{name}: {other}"),
         }

@@ -11,7 +11,7 @@ use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde_json::{Value, json};
-use underbrush_recording::{InputError, JSON_BYTES, Limits, read_text};
+use underbrush_recording::{InputError, Limits};
 
 use crate::decision::{Decision, PRIOR, Rule};
 use crate::document::{Document, FORMAT};
@@ -89,21 +89,11 @@ impl Model {
         Model { classifier, decision: None, provenance: Provenance::default() }
     }
 
-    /// Reads and checks a model file.
+    /// Reads and checks the text of a model file; `path` is for errors only. [`crate::any_model`] reads files.
     ///
     /// # Errors
     /// [`ModelError::Input`] with the field, such as `models.leaf.transition[2]`, and with the line if a value has the
-    /// wrong type or the file is not JSON. A file whose content does not match its seal is refused.
-    pub fn load(path: impl AsRef<Path>) -> Result<Self, ModelError> {
-        let path = path.as_ref();
-        let text = read_text(path, &JSON_BYTES, "a readable model file", "check the path")?;
-        Self::from_json(path, &text)
-    }
-
-    /// Reads and checks the text of a model file; `path` is for errors only.
-    ///
-    /// # Errors
-    /// As [`Model::load`].
+    /// wrong type or the text is not JSON. A text whose content does not match its seal is refused.
     pub fn from_json(path: impl AsRef<Path>, text: &str) -> Result<Self, ModelError> {
         Self::read(&Document::of_format(path, text, FORMAT))
     }
@@ -146,7 +136,7 @@ impl Model {
     /// Warns of a fit that cannot tell anything apart, or that has more parameters than data.
     pub fn warn_of_little_data(&self) {
         warn_of_one_category(&self.classifier.categories());
-        let (Some(models), Some(training)) = (self.as_hmm(), self.classifier.training()) else { return };
+        let (Ok(models), Some(training)) = (self.hmm(), self.classifier.training()) else { return };
         for (category, scorer) in models.models() {
             let samples = training.get(category).map_or(usize::MAX, |history| history.samples);
             let states = scorer.model.states;
@@ -172,19 +162,12 @@ impl Model {
         file_text::sealed(entries)
     }
 
-    /// The hidden Markov models, if the classifier is of that kind.
-    pub fn as_hmm(&self) -> Option<&HmmClassifier> {
-        (&*self.classifier as &dyn Any).downcast_ref()
-    }
-
-    /// Like [`Model::as_hmm`], but consumes the model.
+    /// The hidden Markov models.
     ///
     /// # Errors
     /// [`ModelError::Mismatch`] if the classifier is of another kind.
-    pub fn into_hmm(self) -> Result<HmmClassifier, ModelError> {
-        let name = self.classifier.name();
-        let classifier: Box<dyn Any> = self.classifier;
-        classifier.downcast().map(|hmm| *hmm).map_err(|_| not_hmm(name))
+    pub fn hmm(&self) -> Result<&HmmClassifier, ModelError> {
+        (&*self.classifier as &dyn Any).downcast_ref().ok_or_else(|| not_hmm(self.classifier.name()))
     }
 
     /// Chooses the kind of score of hidden Markov models.
