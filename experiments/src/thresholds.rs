@@ -1,7 +1,5 @@
 //! Decision thresholds chosen from the training data, and the ROC curves over all thresholds.
 
-use std::collections::BTreeMap;
-
 use underbrush_classifier::Classifier;
 use underbrush_classifier::decision::Decision;
 use underbrush_classifier::evaluate::{
@@ -36,7 +34,7 @@ pub fn run(session: &Session) -> Result<Thresholds, Fault> {
             false_positive_rate: experiment.file.thresholds.false_positive_rate,
             outlier_prior: experiment.file.thresholds.outlier_prior,
         };
-        let chosen = choose_thresholds(&held_out, &BTreeMap::new(), targets).map_err(|error| error.to_string());
+        let chosen = choose_thresholds(&held_out, targets).map_err(|error| error.to_string());
         let mut trials = Trials::default();
         for (place, recording) in tested.outlier.iter().flat_map(|found| &found.reaches).enumerate() {
             trials.append(place, None, Trials::cut(recording, &experiment.trial_options())?);

@@ -1,6 +1,5 @@
 //! Fitting classifiers to trials.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
@@ -125,7 +124,7 @@ pub fn fit(
             let folds = Folds::for_thresholds(&trials.list);
             let held_out = HeldOut::of(&trials.list, options.estimator()?.as_ref(), folds)?;
             let targets = ThresholdTargets { false_positive_rate, outlier_prior };
-            model.decision = Some(held_out.choose_thresholds(&BTreeMap::new(), targets)?.decision);
+            model.decision = Some(held_out.choose_thresholds(targets)?.decision);
         }
         // The trials may have been selected or relabelled, so their sources alone do not describe them.
         let mut data = trials.sources.clone();

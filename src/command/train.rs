@@ -221,7 +221,7 @@ fn thresholds(
     let about = |failure: Failure| failure.about(path);
     let held_out =
         HeldOut::of(trials, estimator, Folds::for_thresholds(trials)).map_err(|error| about(error.into()))?;
-    let chosen = held_out.choose_thresholds(&BTreeMap::new(), targets).map_err(|error| match error {
+    let chosen = held_out.choose_thresholds(targets).map_err(|error| match error {
         // In this case the option is at fault, not the trials.
         ThresholdError::BadTarget { .. } => error.into(),
         _ => about(error.into()),

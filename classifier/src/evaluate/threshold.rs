@@ -14,7 +14,7 @@
 //! of an outlier: of N contacts, Nπ are outliers and N(1 − π) are not. If a fraction β of the known contacts falls into
 //! the band between the thresholds, there are at most as many false alarms as outliers as long as β (1 − π) ≤ π. The
 //! uncertain threshold is the smallest margin for which β ≤ π / (1 − π), where β is the mean over categories of (k + 1)
-//! / (n + 1), weighted by the priors of eq. 3. A low outlier prior makes the band narrow, as in the paper; smaller
+//! / (n + 1). A low outlier prior makes the band narrow, as in the paper; smaller
 //! margins are uncertain.
 //!
 //! # What is not guaranteed
@@ -118,24 +118,19 @@ pub enum ThresholdError {
     },
 }
 
-/// Chooses thresholds from `held_out`, a cross-validation on trials of known categories, with `prior` as in
-/// [`Decision::prior`]. The verdicts in `held_out` are not used. The rule is described at the top of this file.
+/// Chooses thresholds from `held_out`, a cross-validation on trials of known categories, for equal priors. The verdicts in
+/// `held_out` are not used. The rule is described at the top of this file.
 ///
 /// # Errors
-/// [`ThresholdError`] if a rate is out of range, the priors do not fit, or the data cannot satisfy the rates.
-pub fn choose_thresholds(
-    held_out: &Evaluation,
-    prior: &BTreeMap<String, f64>,
-    targets: ThresholdTargets,
-) -> Result<ChosenThresholds, ThresholdError> {
+/// [`ThresholdError`] if a rate is out of range, or the data cannot satisfy the rates.
+pub fn choose_thresholds(held_out: &Evaluation, targets: ThresholdTargets) -> Result<ChosenThresholds, ThresholdError> {
     check(targets)?;
     let categories = held_out.known_categories();
-    let with_rule = |rule| Decision { prior: prior.clone(), rule };
-    let judge = with_rule(Rule::Argmax).prepare(categories)?;
+    let judge = Decision::argmax().prepare(categories)?;
     let margins = margins(held_out, &judge);
     let category_above = category_above(&margins, categories, targets.false_positive_rate)?;
-    let decision = with_rule(Rule::OutlierBand {
-        uncertain_below: uncertain_below(&margins, categories, prior, targets.outlier_prior, category_above),
+    let decision = Decision::new(Rule::OutlierBand {
+        uncertain_below: uncertain_below(&margins, categories, targets.outlier_prior, category_above),
         category_above,
     });
     let judge = decision.prepare(categories)?;
@@ -216,20 +211,13 @@ fn category_above(margins: &[HeldOutMargin], categories: &[String], rate: f64) -
 
 /// The smallest margin such that few enough known trials lie between it and `category_above`, or `category_above`
 /// itself if one trial is already too many.
-fn uncertain_below(
-    margins: &[HeldOutMargin],
-    categories: &[String],
-    prior: &BTreeMap<String, f64>,
-    outlier_prior: f64,
-    category_above: f64,
-) -> f64 {
+fn uncertain_below(margins: &[HeldOutMargin], categories: &[String], outlier_prior: f64, category_above: f64) -> f64 {
     let bound = outlier_prior / (1.0 - outlier_prior);
-    let total: f64 = prior.values().sum();
-    // What one more trial adds to the weighted mean of (k + 1) / (n + 1), by category.
+    // What one more trial adds to the mean of (k + 1) / (n + 1), by category.
     let weight: BTreeMap<&str, f64> = categories
         .iter()
         .map(|category| {
-            let share = prior.get(category).map_or(1.0 / categories.len() as f64, |prior| prior / total);
+            let share = 1.0 / categories.len() as f64;
             let count = margins.iter().filter(|margin| margin.truth == category).count();
             (category.as_str(), share / (count + 1) as f64)
         })
@@ -297,12 +285,8 @@ impl HeldOut {
     ///
     /// # Errors
     /// As [`choose_thresholds`].
-    pub fn choose_thresholds(
-        &self,
-        prior: &BTreeMap<String, f64>,
-        targets: ThresholdTargets,
-    ) -> Result<ChosenThresholds, ThresholdError> {
-        let mut chosen = choose_thresholds(&self.evaluation, prior, targets)?;
+    pub fn choose_thresholds(&self, targets: ThresholdTargets) -> Result<ChosenThresholds, ThresholdError> {
+        let mut chosen = choose_thresholds(&self.evaluation, targets)?;
         let judge = chosen.decision.prepare(self.evaluation.known_categories())?;
         let trials = self.evaluation.predictions.iter().zip(&self.scores_by_sample);
         let samples = trials.flat_map(|(trial, samples)| samples.iter().map(move |scores| (trial, scores.as_slice())));

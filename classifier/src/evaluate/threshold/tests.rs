@@ -41,7 +41,7 @@ fn band(chosen: &ChosenThresholds) -> (f64, f64) {
 fn thresholds_are_the_quantiles_of_the_distribution() {
     let z_at_2_percent = 2.053_749;
     let targets = ThresholdTargets { false_positive_rate: 0.02, outlier_prior: 0.05 };
-    let chosen = choose_thresholds(&drawn(50_000, 1), &BTreeMap::new(), targets).unwrap();
+    let chosen = choose_thresholds(&drawn(50_000, 1), targets).unwrap();
     let (uncertain_below, category_above) = band(&chosen);
     let expected = 3.0 * z_at_2_percent - 3.0;
     // Standard error of the quantile: sqrt(α(1 − α)/n) over the density, here 0.039. The tolerance is four of these.
@@ -59,7 +59,7 @@ fn new_trials_keep_the_rate_on_average() {
     let (mut mistakes, mut trials) = (0, 0);
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     for _ in 0..400 {
-        let chosen = choose_thresholds(&drawn(40, rng.random()), &BTreeMap::new(), TARGETS).unwrap();
+        let chosen = choose_thresholds(&drawn(40, rng.random()), TARGETS).unwrap();
         let (_, category_above) = band(&chosen);
         let new = drawn(100, rng.random());
         for prediction in &new.predictions {
@@ -84,7 +84,7 @@ fn counts_stand_at_the_border() {
         rows.push(("trunk", [0.0, 20.0]));
     }
     let targets = ThresholdTargets { false_positive_rate: 0.25, outlier_prior: 0.2 };
-    let chosen = choose_thresholds(&scored(&rows), &BTreeMap::new(), targets).unwrap();
+    let chosen = choose_thresholds(&scored(&rows), targets).unwrap();
     // The third largest mistake is 5. The band may hold π/(1 − π) = 1/4 of the known: (k_leaf + 1 + 0 + 1)/12/2 ≤ 1/4
     // for k_leaf ≤ 4, and margins of 5, 4, 3, 2 are in it.
     assert_eq!(band(&chosen), (2.0, 5.0));
@@ -97,21 +97,20 @@ fn counts_stand_at_the_border() {
 #[test]
 fn no_outliers_expected_leaves_no_band() {
     let targets = ThresholdTargets { outlier_prior: 0.0, ..TARGETS };
-    let chosen = choose_thresholds(&drawn(500, 3), &BTreeMap::new(), targets).unwrap();
+    let chosen = choose_thresholds(&drawn(500, 3), targets).unwrap();
     let (uncertain_below, category_above) = band(&chosen);
     assert_eq!((uncertain_below, chosen.outlier), (category_above, 0.0));
-    let wide = choose_thresholds(&drawn(500, 3), &BTreeMap::new(), TARGETS).unwrap();
+    let wide = choose_thresholds(&drawn(500, 3), TARGETS).unwrap();
     assert!(band(&wide).0 < band(&wide).1);
 }
 
-/// Tests the errors for rates out of range, too few trials, mistakes with infinite margin, and priors of other
-/// categories.
+/// Tests the errors for rates out of range, too few trials, and mistakes with infinite margin.
 #[test]
 fn what_cannot_be_held_is_refused() {
     let data = drawn(8, 4);
     let choose = |data: &Evaluation, false_positive_rate, outlier_prior| {
         let targets = ThresholdTargets { false_positive_rate, outlier_prior };
-        choose_thresholds(data, &BTreeMap::new(), targets).unwrap_err()
+        choose_thresholds(data, targets).unwrap_err()
     };
     for (rate, prior) in [(0.0, 0.1), (1.0, 0.1), (f64::NAN, 0.1), (0.2, 0.5), (0.2, -0.1), (0.2, f64::NAN)] {
         let error = choose(&data, rate, prior);
@@ -124,9 +123,6 @@ fn what_cannot_be_held_is_refused() {
     );
     let error = choose(&impossible, 0.2, 0.1);
     assert!(matches!(error, ThresholdError::NoThreshold { .. }), "{error}");
-    let foreign = BTreeMap::from([("foam".to_owned(), 1.0)]);
-    let error = choose_thresholds(&data, &foreign, TARGETS).unwrap_err();
-    assert!(matches!(error, ThresholdError::Decision(_)), "{error}");
 }
 
 /// The score of trunk after k samples is the sum of their forces, and the score of leaf is 0. Nothing is fitted.
@@ -157,7 +153,7 @@ fn thresholds_of_whole_trials_are_late_sample_by_sample() {
     let trials: Vec<Trial> = leaves.chain(trunks).collect();
     let targets = ThresholdTargets { false_positive_rate: 0.25, outlier_prior: 0.0 };
     let held_out = HeldOut::of(&trials, &Sum, Folds::paper()).unwrap();
-    let chosen = held_out.choose_thresholds(&BTreeMap::new(), targets).unwrap();
+    let chosen = held_out.choose_thresholds(targets).unwrap();
     assert_eq!(band(&chosen), (5.0, 5.0));
     assert_eq!((chosen.trials, chosen.uncertain, chosen.outlier), (24, 3.0 / 24.0, 0.0));
     let rates = chosen.sample_by_sample.unwrap();
