@@ -96,7 +96,7 @@ fn model() -> TouchModel {
     for object in [0, 1, 0, 1] {
         examples.add(&recording(object)).unwrap();
     }
-    examples.fit().expect("the recordings have contacts")
+    examples.fit(None).expect("the recordings have contacts")
 }
 
 #[divan::bench(args = [0, REGIONS])]

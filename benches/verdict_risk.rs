@@ -16,7 +16,7 @@ use rand::{SeedableRng, seq::SliceRandom};
 use rayon::prelude::*;
 use underbrush_classifier::evaluate::TouchFigures;
 use underbrush_classifier::evaluate::touch::TouchEvaluation;
-use underbrush_classifier::touch::{RiskLimits, TouchExamples, TouchOptions};
+use underbrush_classifier::touch::{TouchExamples, TouchOptions};
 use underbrush_recording::Recording;
 use underbrush_recording::disk::Dataset;
 
@@ -59,8 +59,7 @@ fn judged(examples: &TouchExamples, reaches: &[Recording], training: usize, limi
     let mut order: Vec<usize> = (0..reaches.len()).collect();
     order.shuffle(&mut rand_chacha::ChaCha8Rng::seed_from_u64(seed));
     let fitted: BTreeSet<usize> = order.drain(..training).collect();
-    let limits = RiskLimits { wrong: Some(limit) };
-    let model = examples.some(|index| fitted.contains(&index)).fit_within(&limits).unwrap();
+    let model = examples.some(|index| fitted.contains(&index)).fit(Some(limit)).unwrap();
     let model = Arc::new(model);
     let mut evaluation = TouchEvaluation::default();
     for index in order {

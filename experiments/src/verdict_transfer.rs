@@ -57,7 +57,7 @@ fn judged(
         for (_, recording) in fitted.iter().filter(|(own, _)| *own != fold) {
             examples.add(recording)?;
         }
-        let model = match examples.fit() {
+        let model = match examples.fit(None) {
             Err(ModelError::NoCategories { .. } | ModelError::Mismatch { .. }) => return Ok((0, None)),
             model => Arc::new(model?),
         };

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyo3::prelude::*;
+use serde_json::json;
 use underbrush_classifier::FORMAT;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::evaluate::touch_folds::{
     ReadReaches, add_auxiliary, check_folds, cross_validate_touch, judge_touch, touch_examples,
 };
 use underbrush_classifier::online_model::OnlineModel;
-use underbrush_classifier::touch::{RiskLimits, TOUCH_FORMAT, TouchExamples, TouchModel, TouchOptions};
+use underbrush_classifier::touch::{TOUCH_FORMAT, TouchExamples, TouchModel, TouchOptions};
 use underbrush_experiments::model_data;
 use underbrush_recording::{Recording, stop};
 
@@ -55,15 +56,15 @@ impl PyTouchModel {
         limit_wrong: Option<f64>,
         jobs: Option<usize>,
     ) -> Result<Self, Failure> {
-        let (options, limits) = options(patch, threshold_n, limit_wrong);
+        let options = options(patch, threshold_n);
         let reaches = Given(&reaches);
         let auxiliary = Given(&auxiliary);
         let fit = |_: &_| {
             let mut examples = touch_examples(&reaches, options)?;
             add_auxiliary(&mut examples, &auxiliary)?;
-            let mut model = examples.fit_within(&limits)?;
+            let mut model = examples.fit(limit_wrong)?;
             let sources = Reach::sources(reaches.0.iter().chain(auxiliary.0).map(Py::get));
-            model.provenance = model_data::provenance(json::value(&limits)?, sources);
+            model.provenance = model_data::provenance(json!({ "limit_wrong": limit_wrong }), sources);
             Ok(model)
         };
         let model = Arc::new(watched(py, jobs, &Arc::default(), None, fit)?);
@@ -86,9 +87,9 @@ impl PyTouchModel {
         limit_wrong: Option<f64>,
         jobs: Option<usize>,
     ) -> Answer<'py> {
-        let (options, limits) = options(patch, threshold_n, limit_wrong);
+        let options = options(patch, threshold_n);
         let reaches = Given(&reaches);
-        let fit = |examples: &TouchExamples| Ok(examples.fit_within(&limits)?);
+        let fit = |examples: &TouchExamples| Ok(examples.fit(limit_wrong)?);
         let judge = |_: &_| {
             check_folds(folds, reaches.count())?;
             cross_validate_touch(folds, &touch_examples(&reaches, options)?, &reaches, fit, Failure::from)
@@ -163,10 +164,9 @@ impl PyTouchModel {
     }
 }
 
-/// How readings become contacts, and how many bad verdicts a model may give.
-fn options(patch: Option<String>, threshold_n: Option<f64>, wrong: Option<f64>) -> (TouchOptions, RiskLimits) {
-    let threshold_n = threshold_n.unwrap_or(TouchOptions::default().threshold_n);
-    (TouchOptions::of(patch, threshold_n), RiskLimits { wrong })
+/// How readings become contacts.
+fn options(patch: Option<String>, threshold_n: Option<f64>) -> TouchOptions {
+    TouchOptions::of(patch, threshold_n.unwrap_or(TouchOptions::default().threshold_n))
 }
 
 /// Reaches that a caller gave.

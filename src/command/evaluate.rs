@@ -242,9 +242,8 @@ impl EvaluateOptions {
         let others = own.iter().filter(|(given, _)| *given).map(|(_, option)| (*option).to_owned());
         let reason = "does not apply to the classifier touch, which judges the frames of whole reaches";
         options::refuse(others.chain(options::given(&self.decision)), reason)?;
-        let limits = self.risk.limits();
-        self.touch.refuse_beside(&limits)?;
-        touch::evaluate(&self.trials, judge, &limits, &self.touch, json)
+        self.touch.refuse_beside(&self.risk)?;
+        touch::evaluate(&self.trials, judge, self.risk.limit_wrong, &self.touch, json)
     }
 
     fn folds(&self, trials: &[Trial]) -> Folds {

@@ -112,10 +112,9 @@ pub fn run(options: TrainOptions, json: bool) -> Result<(), Failure> {
                  and give classify or evaluate --unknown-share",
             ));
         }
-        let limits = options.risk.limits();
         let cut = options.cut.touch()?;
         let (known, auxiliary) = (&options.trials, &options.auxiliary);
-        return touch::train(known, auxiliary, &cut, &options.simulated, &limits, &options.out, json);
+        return touch::train(known, auxiliary, &cut, &options.simulated, options.risk.limit_wrong, &options.out, json);
     }
     if !options.auxiliary.is_empty() {
         return Err(Failure::usage("--auxiliary applies to --classifier touch only; leave it out"));

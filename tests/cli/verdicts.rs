@@ -17,7 +17,7 @@ fn touch_model(folder: &Path) -> PathBuf {
         examples.add(&set.read_reach(episode).unwrap()).unwrap();
     }
     let path = folder.join("touch.json");
-    fs::write(&path, examples.fit().unwrap().save_string().unwrap()).unwrap();
+    fs::write(&path, examples.fit(None).unwrap().save_string().unwrap()).unwrap();
     path
 }
 

@@ -64,7 +64,7 @@ pub struct TruthFigures {
 }
 
 /// Shares of the taxel frames of a reach that a known category presses on, on average over reaches. Every reach has the
-/// same weight. [`crate::touch::RiskLimits`] limits these shares.
+/// same weight. [`crate::touch::TouchExamples::fit`] limits those of wrong verdicts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ReachFigures {
     /// Number of reaches. A reach without such taxel frames counts as a reach without bad verdicts.

@@ -9,7 +9,7 @@ use super::example::Examples;
 use super::held_out::{HeldOut, Judged, category_network, lapses, nothing_above, sharpness, touched_network};
 use super::model::{Calibrated, TOUCH_FORMAT, TouchModel};
 use super::object::{FittedObjects, ObjectExample, fit_objects};
-use super::risk::RiskLimits;
+use super::risk;
 use super::training_rows::{FOLDS, TouchExamples};
 use crate::error::ModelError;
 use crate::provenance::Provenance;
@@ -18,21 +18,17 @@ impl TouchExamples {
     /// Fits a model. Probabilities are calibrated, and limits chosen, on reaches that are held out in turn; the model
     /// itself is then fitted to all. The result is the same for any number of threads.
     ///
-    /// # Errors
-    /// [`ModelError::NoCategories`] if no known category touches the patch for long enough; [`ModelError::Mismatch`] if
-    /// such categories do so in fewer than two recordings.
-    pub fn fit(&self) -> Result<TouchModel, ModelError> {
-        self.fit_within(&RiskLimits::default())
-    }
-
-    /// Fits a model with a decision that keeps the shares of bad verdicts in new reaches within limits.
+    /// `limit_wrong` is the largest allowed share, in a new reach and on average over reaches, of the taxel frames on which a
+    /// known category presses whose region is called another known category. The largest cost of an uncertain verdict
+    /// within this limit is chosen, so that as few verdicts as possible are uncertain.
     ///
     /// # Errors
-    /// Those of [`TouchExamples::fit`]; also [`ModelError::BadOption`] for limits out of range, and
-    /// [`ModelError::FewReaches`] for limits that need more reaches.
-    pub fn fit_within(&self, limits: &RiskLimits) -> Result<TouchModel, ModelError> {
+    /// [`ModelError::NoCategories`] if no known category touches the patch for long enough; [`ModelError::Mismatch`] if
+    /// such categories do so in fewer than two recordings; [`ModelError::BadOption`] for a limit that is not between 0 and 1,
+    /// and [`ModelError::FewReaches`] for one that needs more reaches.
+    pub fn fit(&self, limit_wrong: Option<f64>) -> Result<TouchModel, ModelError> {
         let trials = self.reaches.len();
-        limits.check(trials)?;
+        limit_wrong.map_or(Ok(()), |share| risk::check(share, trials))?;
         if trials < FOLDS {
             return Err(ModelError::Mismatch {
                 found: if trials == 1 { "1 reach to fit to".into() } else { "no reaches to fit to".into() },
@@ -68,15 +64,18 @@ impl TouchExamples {
         let (touched, category) = rayon::join(|| touched_network(&all), || category_network(&all, &categories));
         let touched = Calibrated { sharpness: sharpness(&taxels), network: touched };
         let category = Calibrated { sharpness: sharpness(&regions), network: category };
-        let decision =
+        let mut decision =
             TouchDecision { nothing_above: nothing_above(&taxels, touched.sharpness), ..TouchDecision::default() };
+        if let Some(share) = limit_wrong {
+            decision.cost_of_uncertain = risk::largest(share, trials, lapses(&regions, category.sharpness));
+        }
         let [known, auxiliary] = [&self.reaches, &self.auxiliary].map(|reaches| objects(reaches));
         let FittedObjects { categories: of_objects, unknown, stiffness } =
             fit_objects(&known, &auxiliary, &categories)?;
         Ok(TouchModel {
             format: TOUCH_FORMAT.into(),
             options: self.options.clone(),
-            decision: limits.over(decision, trials, lapses(&regions, category.sharpness)),
+            decision,
             category,
             categories,
             touched,

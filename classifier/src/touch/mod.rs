@@ -47,7 +47,6 @@ pub(crate) use object::{Votes, category_of, count_votes, strongest, true_stiffne
 pub use online::{ObjectReport, ObjectTouch, RegionTouch, TaxelTouch, TouchClassifier};
 pub use options::TouchOptions;
 pub use region::Region;
-pub use risk::RiskLimits;
 pub use taxel::{TAXEL_FEATURE_COUNT, TAXEL_FEATURES, TaxelCourse};
 pub use training_rows::{TouchExamples, TouchRows};
 

@@ -13,20 +13,7 @@
 //! was fitted to the other fold, and the final model is fitted to all reaches. So the bound is not proven here;
 //! docs/results.md has measurements.
 
-use serde::Serialize;
-
-use super::decision::TouchDecision;
 use crate::error::{Fault, ModelError};
-
-/// The largest allowed shares of bad verdicts in a new reach, on average over reaches. The shares refer to the taxel
-/// frames on which a known category presses.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct RiskLimits {
-    /// The share whose region is called another known category. The largest cost of an uncertain verdict within this
-    /// limit is chosen, so that as few verdicts as possible are uncertain.
-    #[serde(rename = "limit_wrong")]
-    pub wrong: Option<f64>,
-}
 
 /// A region of a held-out reach and the limit above which its verdict is bad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,35 +24,23 @@ pub(super) struct Lapse {
     pub(super) share: f64,
 }
 
-impl RiskLimits {
-    /// Checks that every allowed share is between 0 and 1, and that there are enough reaches for it.
-    ///
-    /// # Errors
-    /// [`ModelError::BadOption`] for a share that is not between 0 and 1, and [`ModelError::FewReaches`] for too few
-    /// reaches.
-    pub(super) fn check(&self, reaches: usize) -> Result<(), ModelError> {
-        if let Some(share) = self.wrong {
-            if !(share > 0.0 && share < 1.0) {
-                return Err(Fault::new("risk limit wrong", share.to_string(), "a share above 0 and below 1").into());
-            }
-            let needed = (1.0 / share - 1.0).ceil() as usize;
-            if reaches < needed {
-                return Err(ModelError::FewReaches { reaches, needed, share });
-            }
-        }
-        Ok(())
+/// Checks that an allowed share is between 0 and 1, and that there are enough reaches for it.
+///
+/// # Errors
+/// [`ModelError::BadOption`] for a share that is not between 0 and 1, and [`ModelError::FewReaches`] for too few reaches.
+pub(super) fn check(share: f64, reaches: usize) -> Result<(), ModelError> {
+    if !(share > 0.0 && share < 1.0) {
+        return Err(Fault::new("risk limit wrong", share.to_string(), "a share above 0 and below 1").into());
     }
-
-    /// The decision with the limit that keeps to the allowed share. `wrong` holds regions of the `reaches` held-out reaches,
-    /// with limits on the cost of an uncertain verdict.
-    pub(super) fn over(&self, decision: TouchDecision, reaches: usize, wrong: Vec<Lapse>) -> TouchDecision {
-        let cost = self.wrong.map(|share| largest(share, reaches, wrong));
-        TouchDecision { cost_of_uncertain: cost.unwrap_or(decision.cost_of_uncertain), ..decision }
+    let needed = (1.0 / share - 1.0).ceil() as usize;
+    if reaches < needed {
+        return Err(ModelError::FewReaches { reaches, needed, share });
     }
+    Ok(())
 }
 
 /// The largest limit up to 1 that keeps the mean loss of a new reach at the allowed share.
-fn largest(allowed: f64, reaches: usize, mut lapses: Vec<Lapse>) -> f64 {
+pub(super) fn largest(allowed: f64, reaches: usize, mut lapses: Vec<Lapse>) -> f64 {
     lapses.sort_by(|one, other| one.above.total_cmp(&other.above));
     let most = allowed * (reaches + 1) as f64 - 1.0;
     let mut sum = 0.0;
@@ -131,13 +106,11 @@ mod tests {
     /// Tests that shares out of range, and shares that need more reaches, are refused with what is needed.
     #[test]
     fn shares_need_reaches() {
-        let limits = RiskLimits { wrong: Some(0.05) };
-        assert_eq!(limits.check(19), Ok(()));
+        assert_eq!(check(0.05, 19), Ok(()));
         let few = ModelError::FewReaches { reaches: 18, needed: 19, share: 0.05 };
-        assert_eq!(limits.check(18), Err(few));
+        assert_eq!(check(0.05, 18), Err(few));
         for share in [0.0, 1.0, -0.1, f64::NAN] {
-            let limits = RiskLimits { wrong: Some(share) };
-            assert!(matches!(limits.check(1000), Err(ModelError::BadOption(_))), "{share}");
+            assert!(matches!(check(share, 1000), Err(ModelError::BadOption(_))), "{share}");
         }
     }
 }

@@ -109,7 +109,7 @@ pub fn run(session: &Session) -> Result<VerdictFigures, Fault> {
                 examples.add_auxiliary(recording)?;
             }
         }
-        let model = Arc::new(examples.fit()?);
+        let model = Arc::new(examples.fit(None)?);
         let judge = |found: &Found| -> Result<_, Fault> {
             Ok((found.scene.clone(), TouchEvaluation::of_all(&model, &found.reaches)?))
         };
@@ -168,7 +168,7 @@ fn drawn(session: &Session, section: &VerdictSection, scene: &str) -> Result<Vec
 
 /// Judges every `FOLDS`-th recording by networks fitted to the others.
 fn held_out(examples: &TouchExamples, recordings: &[Recording], fold: usize) -> Result<TouchEvaluation, Fault> {
-    let model = Arc::new(examples.some(|index| index % FOLDS != fold).fit()?);
+    let model = Arc::new(examples.some(|index| index % FOLDS != fold).fit(None)?);
     Ok(TouchEvaluation::of_all(&model, recordings.iter().skip(fold).step_by(FOLDS))?)
 }
 

@@ -36,7 +36,7 @@ fn model() -> TouchModel {
             let share = share * (1.0 + 0.05 * index as f64);
             examples.add(&pressed_by(category, share, index)).unwrap();
         }
-        examples.fit().unwrap()
+        examples.fit(None).unwrap()
     };
     MODEL.get_or_init(fit).clone()
 }

@@ -3,7 +3,7 @@
 use clap::Args;
 use clap::builder::TypedValueParser;
 use serde::Serialize;
-use underbrush_classifier::touch::{RiskLimits, TouchDecision};
+use underbrush_classifier::touch::TouchDecision;
 
 use crate::Failure;
 use crate::options::{self, number};
@@ -40,8 +40,8 @@ impl TouchDecisionArguments {
     }
 
     /// Refuses options that set a value which a limit of risk is to choose.
-    pub fn refuse_beside(&self, limits: &RiskLimits) -> Result<(), Failure> {
-        if limits.wrong.is_some() && self.cost_of_uncertain.is_some() {
+    pub fn refuse_beside(&self, risk: &RiskArguments) -> Result<(), Failure> {
+        if risk.limit_wrong.is_some() && self.cost_of_uncertain.is_some() {
             let text = "--limit-wrong chooses what --cost-of-uncertain gives; leave one of them out";
             return Err(Failure::usage(text));
         }
@@ -64,17 +64,12 @@ pub struct RiskArguments {
     /// Choose the cost of an uncertain verdict so that at most this share of the taxel frames of a new reach is called
     /// another category, on average over reaches. A share of 0.05 needs 19 reaches or more, 0.01 needs 99
     #[arg(long, value_name = "SHARE", value_parser = number(|share: &f64| *share > 0.0 && *share < 1.0, "must be a number above 0 and below 1"))]
-    limit_wrong: Option<f64>,
+    pub limit_wrong: Option<f64>,
 }
 
 impl RiskArguments {
     /// Refuses options that would be ignored, for the reason given.
     pub fn refuse(&self, reason: &str) -> Result<(), Failure> {
         options::refuse(options::given(self), reason)
-    }
-
-    /// The limits that are given.
-    pub fn limits(&self) -> RiskLimits {
-        RiskLimits { wrong: self.limit_wrong }
     }
 }

@@ -6,7 +6,7 @@ use underbrush_classifier::evaluate::EvaluateError;
 use underbrush_classifier::evaluate::touch_folds::{
     ReadReaches, check_folds, cross_validate_touch, judge_touch, touch_examples,
 };
-use underbrush_classifier::touch::{RiskLimits, TouchExamples, TouchModel, TouchOptions};
+use underbrush_classifier::touch::{TouchExamples, TouchModel, TouchOptions};
 
 use super::decision::TouchDecisionArguments;
 use super::{text, train};
@@ -24,11 +24,11 @@ pub enum Judge<'a> {
 }
 
 /// Judges reaches with ground truth, those of these data sets and recordings, and prints the figures. Models that are fitted
-/// keep the limits.
+/// keep the limit of wrong verdicts.
 pub fn evaluate(
     paths: &[PathBuf],
     judge: Judge<'_>,
-    limits: &RiskLimits,
+    limit_wrong: Option<f64>,
     decision: &TouchDecisionArguments,
     json: bool,
 ) -> Result<(), Failure> {
@@ -37,7 +37,7 @@ pub fn evaluate(
         model
     };
     let fitted = |examples: &TouchExamples, options: &TouchOptions, paths: &[PathBuf]| {
-        train::fit(examples, options, limits).map(deciding).map_err(|failure| train::about(failure, paths))
+        train::fit(examples, options, limit_wrong).map(deciding).map_err(|failure| train::about(failure, paths))
     };
     let reaches = Reaches::open(paths)?;
     let report = match judge {

@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde_json::json;
 use underbrush_classifier::ModelError;
 use underbrush_classifier::evaluate::touch_folds::{add_auxiliary, touch_examples};
-use underbrush_classifier::touch::{RiskLimits, TouchDecision, TouchExamples, TouchModel, TouchOptions, TouchRows};
+use underbrush_classifier::touch::{TouchDecision, TouchExamples, TouchModel, TouchOptions, TouchRows};
 use underbrush_experiments::model_data;
 
 use super::simulated::SimulatedArguments;
@@ -32,7 +32,7 @@ pub fn train(
     auxiliary: &[PathBuf],
     options: &TouchOptions,
     simulated: &SimulatedArguments,
-    limits: &RiskLimits,
+    limit_wrong: Option<f64>,
     out: &Path,
     json: bool,
 ) -> Result<(), Failure> {
@@ -51,10 +51,10 @@ pub fn train(
     if !auxiliary.is_empty() {
         add_auxiliary(&mut examples, &Reaches::open(auxiliary)?)?;
     }
-    let mut model = fit(&examples, options, limits).map_err(|failure| about(failure, &given))?;
+    let mut model = fit(&examples, options, limit_wrong).map_err(|failure| about(failure, &given))?;
     model.warn_of_little_data();
     let sources: Result<Vec<_>, _> = all.iter().map(|path| model_data::of_path(path)).collect();
-    model.provenance = model_data::provenance(json!(limits), sources?);
+    model.provenance = model_data::provenance(json!({ "limit_wrong": limit_wrong }), sources?);
     output::write_file(out, model.save_string()?.as_bytes())?;
     let trained = Trained {
         model: out,
@@ -76,9 +76,9 @@ pub fn train(
 pub(super) fn fit(
     examples: &TouchExamples,
     options: &TouchOptions,
-    limits: &RiskLimits,
+    limit_wrong: Option<f64>,
 ) -> Result<TouchModel, Failure> {
-    examples.fit_within(limits).map_err(|error| match error {
+    examples.fit(limit_wrong).map_err(|error| match error {
         ModelError::NoCategories { .. } => {
             let patch = options.patch.as_ref();
             let patch = patch.map_or("the first patch".into(), |name| format!("patch {name}"));

@@ -23,15 +23,15 @@ fn too_little_to_fit_to_is_refused() {
     let mut examples = TouchExamples::new(TouchOptions::default());
     examples.add(&reaches()[0]).unwrap();
     assert!(
-        matches!(examples.fit(), Err(ModelError::Mismatch { found, .. }) if found.starts_with("1 reach to fit to"))
+        matches!(examples.fit(None), Err(ModelError::Mismatch { found, .. }) if found.starts_with("1 reach to fit to"))
     );
     let mut examples = TouchExamples::new(TouchOptions::default());
     for _ in 0..3 {
         examples.add(&presses(0, STIFFNESS_N_PER_M[0], 0.0, 0.06)).unwrap();
     }
-    assert_eq!(examples.fit(), Err(ModelError::NoCategories { trials: 3 }));
+    assert_eq!(examples.fit(None), Err(ModelError::NoCategories { trials: 3 }));
     examples.add(&reaches()[0]).unwrap();
-    let error = examples.fit().unwrap_err().to_string();
+    let error = examples.fit(None).unwrap_err().to_string();
     assert!(error.contains("touches the skin in one of 4 recordings; allowed: 2"), "{error}");
 }
 
@@ -47,9 +47,9 @@ fn both_folds_have_rows() {
 /// any number of threads.
 #[test]
 fn springs_are_told_apart() {
-    let model = examples().fit().unwrap();
+    let model = examples().fit(None).unwrap();
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    assert_eq!(alone.install(|| examples().fit().unwrap()), model);
+    assert_eq!(alone.install(|| examples().fit(None).unwrap()), model);
     let model = Arc::new(model);
     assert_eq!(model.categories(), ["leaf", "trunk"]);
     let mut evaluation = TouchEvaluation::default();
@@ -78,7 +78,7 @@ fn contacts_of_one_object_are_told_apart() {
         spurious.sensed_force_n = STIFFNESS_N_PER_M[1] * depth_m;
         (spurious.true_normal_force_n, spurious.object) = (spurious.sensed_force_n, Some(1));
     }
-    let mut classifier = TouchClassifier::new(Arc::new(examples().fit().unwrap()), &reach.layout).unwrap();
+    let mut classifier = TouchClassifier::new(Arc::new(examples().fit(None).unwrap()), &reach.layout).unwrap();
     let mut frames = 0;
     for frame in &reach.frames {
         classifier.update(frame).unwrap();
@@ -96,7 +96,7 @@ fn contacts_of_one_object_are_told_apart() {
 /// that the spurious taxel is counted separately.
 #[test]
 fn streams_count_what_evaluations_count() {
-    let model = Arc::new(examples().fit().unwrap());
+    let model = Arc::new(examples().fit(None).unwrap());
     let reach = presses(0, 33.0, 0.035, 0.06);
     let evaluation = TouchEvaluation::of(&model, &reach).unwrap();
     let stream = classify_touch_stream(&model, &reach).unwrap();
@@ -118,7 +118,7 @@ fn streams_count_what_evaluations_count() {
 /// Tests that a stream counts the verdicts on all patches that the model judges.
 #[test]
 fn streams_count_all_judged_patches() {
-    let model = Arc::new(examples().fit().unwrap());
+    let model = Arc::new(examples().fit(None).unwrap());
     let one = presses(0, 33.0, 0.035, 0.06);
     let mut two = one.clone();
     let further = underbrush_recording::Patch { name: "further".into(), ..one.layout.patches[0].clone() };
@@ -143,7 +143,7 @@ fn streams_count_all_judged_patches() {
 #[test]
 fn verdicts_allocate_nothing() {
     let reach = presses(0, 30.0, 0.03, 0.05);
-    let model = Arc::new(examples().fit().unwrap());
+    let model = Arc::new(examples().fit(None).unwrap());
     let mut classifier = TouchClassifier::new(model, &reach.layout).unwrap();
     let mut verdicts = 0;
     for frame in &reach.frames[..60] {
@@ -163,7 +163,7 @@ fn verdicts_allocate_nothing() {
 /// place of the damage.
 #[test]
 fn files_are_exact_and_checked() {
-    let model = examples().fit().unwrap();
+    let model = examples().fit(None).unwrap();
     let text = model.save_string().unwrap();
     assert_eq!(TouchModel::from_json("touch.json", &text).unwrap(), model);
     for (from, to, place) in [
