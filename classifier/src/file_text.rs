@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::seal;
 
 /// The order of keys in a file: short entries first, for readability.
-const ORDER: [&str; 16] = [
+const ORDER: [&str; 18] = [
     "format",
     "classifier",
     "categories",
@@ -20,7 +20,9 @@ const ORDER: [&str; 16] = [
     "training",
     "touched",
     "category",
-    "unknown",
+    "of_objects",
+    "unknown_objects",
+    "stiffness",
     seal::KEY,
 ];
 

@@ -181,6 +181,18 @@ fn files_are_exact_and_checked() {
     }
 }
 
+/// Tests that a file names what it is before the megabytes of trees, which once came first.
+#[test]
+fn keys_of_a_file_are_in_order() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../suites/touch.json");
+    let text = TouchModel::from_json(path, &std::fs::read_to_string(path).unwrap()).unwrap().save_string().unwrap();
+    let keys = text.lines().filter_map(|line| line.strip_prefix("  \"")?.split_once('"'));
+    let keys: Vec<&str> = keys.map(|(key, _)| key).collect();
+    let first = ["format", "categories", "options", "decision", "provenance"];
+    let last = ["touched", "category", "of_objects", "unknown_objects", "stiffness", "blake3"];
+    assert_eq!(keys, [&first[..], &last[..]].concat());
+}
+
 /// Tests the rule: unknown comes first, then the likeliest category, if the expected cost of an error is below the cost
 /// of an uncertain verdict.
 #[test]
