@@ -101,5 +101,6 @@ pub enum FeatureError {
 
 /// The names of all features, as a list in a sentence.
 fn known() -> String {
-    format!("{}, and column:NAME for any column of a table of trials", FEATURES.map(|feature| feature.name).join(", "))
+    let listed = FEATURES.map(|feature| feature.name).join(", ");
+    format!("{listed}, and column:NAME for any column of a table of trials without + and comma in its name")
 }

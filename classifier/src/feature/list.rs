@@ -91,14 +91,15 @@ static CHANNELS: LazyLock<Mutex<BTreeMap<String, &'static Feature>>> = LazyLock:
 
 impl Feature {
     /// The feature with this name or column, or with `column:NAME` that of the column NAME of a table of trials
-    /// ([`underbrush_recording::Channels`]).
+    /// ([`underbrush_recording::Channels`]). NAME has neither `+` nor `,`, which stand between the features of a set.
     pub fn find(name: &str) -> Option<&'static Feature> {
         let column = name.strip_prefix(CHANNEL);
         let listed = FEATURES.into_iter().find(|feature| match column {
             Some(column) => feature.column == column,
             None => feature.name == name || feature.column == name,
         });
-        listed.or_else(|| column.filter(|column| !column.is_empty() && is_plain(column)).map(Feature::channel))
+        let is_sound = |column: &&str| !column.is_empty() && !column.contains(['+', ',']) && is_plain(column);
+        listed.or_else(|| column.filter(is_sound).map(Feature::channel))
     }
 
     fn channel(column: &str) -> &'static Feature {

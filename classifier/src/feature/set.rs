@@ -16,7 +16,7 @@ use super::observations::Observations;
 /// The features that a classifier uses, in order: one or more, each listed once.
 ///
 /// As text, the names are joined by `+`, as in `force+motion`. Commas are read as well. `column:NAME` is the column NAME of a
-/// table of trials, whatever it holds.
+/// table of trials, whatever it holds; NAME has neither `+` nor `,`.
 ///
 /// ```
 /// use underbrush_classifier::feature::FeatureSet;
@@ -219,7 +219,7 @@ fn known_names() -> Vec<&'static str> {
 /// The JSON Schema of a list of features that [`FeatureSet::from_names`] reads.
 pub(crate) fn feature_list_schema(_: &mut SchemaGenerator) -> Schema {
     let names = known_names();
-    let channel = json_schema!({ "type": "string", "pattern": format!("^{CHANNEL}.+") });
+    let channel = json_schema!({ "type": "string", "pattern": format!("^{CHANNEL}[^+,]+$") });
     let item = json_schema!({ "anyOf": [{ "enum": names }, channel] });
     json_schema!({ "type": "array", "items": item, "minItems": 1, "uniqueItems": true })
 }

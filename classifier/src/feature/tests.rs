@@ -39,6 +39,10 @@ fn bad_lists_are_refused() {
     let twice = [FEATURES.map(|feature| feature.name), FEATURES.map(|feature| feature.name)].concat();
     assert_eq!(FeatureSet::from_names(&twice), Err(FeatureError::Repeated { found: "force" }));
     assert_eq!(FeatureSet::from_names::<&str>(&[]), Err(FeatureError::NoFeatures));
+    // A model of such a channel could be fitted but not saved.
+    for found in ["column:a+b", "column:a,b"] {
+        assert_eq!(FeatureSet::from_names(&[found]), Err(FeatureError::Unknown { found: found.into() }));
+    }
 }
 
 /// Tests that no two features share a name or a column, that columns with a unit end in it, and that each reads its own
