@@ -135,6 +135,17 @@ impl FeatureSet {
         Ok(())
     }
 
+    /// Checks values that were read and then scaled, which can make one infinite.
+    ///
+    /// # Errors
+    /// [`SampleFault::NotFinite`] for the first that is.
+    pub(crate) fn check_scaled(&self, values: &[f64]) -> Result<(), SampleFault> {
+        match self.iter().zip(values).find(|(_, value)| !value.is_finite()) {
+            Some((feature, value)) => Err(SampleFault::NotFinite { column: feature.column, value: *value }),
+            None => Ok(()),
+        }
+    }
+
     /// Appends the features of one sample to those of the samples before it, unless there are `window` samples already.
     /// Returns whether it did.
     ///

@@ -143,6 +143,9 @@ impl HmmClassifier {
         if let Some(scaling) = &self.scaling {
             scaling.apply_all(&mut sequence);
         }
+        for (index, sample) in sequence.samples().enumerate() {
+            self.features.check_scaled(sample).map_err(|fault| fault.at(trial, index))?;
+        }
         Ok(sequence)
     }
 }

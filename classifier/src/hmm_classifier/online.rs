@@ -49,11 +49,7 @@ impl OnlineScorer for HmmOnlineScorer {
         if let Some(scaling) = &self.scaling {
             scaling.apply(&mut self.values);
         }
-        // All features that were read are finite, but scaling can make one infinite.
-        let mut scaled = self.features.iter().zip(&self.values);
-        if let Some((feature, value)) = scaled.find(|(_, value)| !value.is_finite()) {
-            return Err(SampleFault::NotFinite { column: feature.column, value: *value });
-        }
+        self.features.check_scaled(&self.values)?;
         self.bank.put(contact, &self.values);
         self.samples[contact] += 1;
         Ok(true)

@@ -72,6 +72,18 @@ fn what_is_written_is_read_back_bit_for_bit() {
     assert!(text.contains("[0.1, 0.9]"), "a row of a matrix stands on one line:\n{text}");
 }
 
+/// Tests that a sample that scaling makes infinite is refused with the same error for whole trials and sample by sample.
+#[test]
+fn scaled_samples_are_finite() {
+    let scaling = Some(Scaling { mean: vec![0.0], standard_deviation: vec![1e-15] });
+    let models = HmmClassifier { scaling, ..read(MINIMAL).unwrap() };
+    let sample = |force_n| underbrush_recording::Sample { force_n, ..Default::default() };
+    let trial = Trial { trial: 7, samples: vec![sample(1.0), sample(1e300)], ..Trial::default() };
+    let error = models.scores_of_all(&[&trial]).unwrap_err();
+    assert!(error.to_string().starts_with("trial 7, sample 1 (from 0) has force_n = inf"), "{error}");
+    assert_eq!(models.scores_after(&trial, &[2]).unwrap_err(), error);
+}
+
 /// Tests that options that a model file may not hold are refused before training starts, not when the model is saved.
 #[test]
 fn options_are_checked_before_training_continues() {
