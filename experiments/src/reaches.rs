@@ -50,6 +50,8 @@ pub struct TestReaches {
 }
 
 struct Search {
+    /// The name of its files: the section of the experiment file with the scene, because several sections may name one scene.
+    name: String,
     plan: ReachPlan,
     options: TrialOptions,
     wanted: Wanted,
@@ -97,8 +99,8 @@ impl Search {
     /// Draws the reaches, or reads those that an earlier run has cached in `folder`.
     fn run(&self, folder: &Path, run: &Run, progress: &dyn Progress) -> Result<Found, Fault> {
         let scene = self.plan.scene.name.clone();
-        let file = |index: u64| -> PathBuf { folder.join(format!("{scene}-{index}.parquet")) };
-        let index_file = folder.join(format!("{scene}.json"));
+        let file = |index: u64| -> PathBuf { folder.join(format!("{}-{index}.parquet", self.name)) };
+        let index_file = folder.join(format!("{}.json", self.name));
         let (mut drawn, mut reaches) = (0, Vec::new());
         if let Some(index) = result_cache::load::<Index>(&index_file, run, progress) {
             drawn = index.drawn;
@@ -146,9 +148,11 @@ pub fn run(session: &Session) -> Result<TestReaches, Fault> {
     let (experiment, progress) = (session.experiment, session.progress);
     let file = &experiment.file;
     let known: Vec<Category> = experiment.labels().into_iter().filter_map(|label| experiment.category(label)).collect();
-    let search = |source: &str, wanted, enough, max_draws| {
+    let search = |section: &str, source: &str, wanted, enough, max_draws| {
+        let plan = plan(experiment, source, session.seed)?;
         Ok::<_, Fault>(Search {
-            plan: plan(experiment, source, session.seed)?,
+            name: format!("{section}-{}", plan.scene.name),
+            plan,
             options: experiment.trial_options(),
             wanted,
             enough,
@@ -158,21 +162,22 @@ pub fn run(session: &Session) -> Result<TestReaches, Fault> {
     // The longest reaches first, so that no thread waits for them at the end.
     let mut searches = Vec::new();
     let second_outlier = file.second_outlier.as_ref().filter(|_| !session.quick);
-    for (own, wanted) in [
-        (file.outlier.as_ref(), Wanted::OutlierFirst(known.clone())),
-        (second_outlier, Wanted::Unknown(known.clone())),
-        (file.general.as_ref(), Wanted::All(known.clone())),
+    for (section, own, wanted) in [
+        ("outlier", file.outlier.as_ref(), Wanted::OutlierFirst(known.clone())),
+        ("second-outlier", second_outlier, Wanted::Unknown(known.clone())),
+        ("general", file.general.as_ref(), Wanted::All(known.clone())),
     ] {
         if let Some(own) = own {
             let (enough, draws) = (own.reaches(session.quick), own.draws(session.quick));
-            searches.push(search(&own.scene, wanted, enough, draws)?);
+            searches.push(search(section, &own.scene, wanted, enough, draws)?);
         }
     }
     let mut categories = Vec::new();
     for own in &file.engineered {
         let Some(category) = experiment.category(&own.label) else { continue };
+        let section = format!("engineered-{}", categories.len());
         categories.push(category);
-        searches.push(search(&own.scene, Wanted::Only(category), 1, own.draws(session.quick))?);
+        searches.push(search(&section, &own.scene, Wanted::Only(category), 1, own.draws(session.quick))?);
     }
     if searches.is_empty() {
         return Ok(TestReaches { engineered: Vec::new(), general: None, outlier: None, second_outlier: None });

@@ -51,6 +51,7 @@ fn a_damaged_reach_is_drawn_again() {
     let folder = tempfile::tempdir().unwrap();
     let text = scenes::FEW_TRUNKS.to_owned();
     let search = Search {
+        name: "trunks".into(),
         plan: ReachPlan::new(Scene::parse("trunks.toml", text).unwrap(), None, 0).unwrap(),
         options: TrialOptions::default(),
         wanted: Wanted::All(Vec::new()),
@@ -77,5 +78,37 @@ fn a_damaged_reach_is_drawn_again() {
         assert!(remarks[0].contains("trunks-0.parquet") && remarks[0].contains("drawn again"));
         assert!(again == first);
         assert!(std::fs::read(&file).unwrap() == whole);
+    }
+}
+
+/// Tests that two searches in one scene, each with its own requirement, do not take the files of each other: among leaves
+/// one touches a leaf alone, and none a trunk, also if one thread searches for them one after the other.
+#[test]
+fn searches_in_one_scene_are_kept_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    file("leaves.toml", scenes::LEAVES_AT_FOREARM);
+    file("trunks.toml", scenes::FEW_TRUNKS);
+    file(
+        "small.toml",
+        r#"title = "Small"
+training = [
+    { scene = "leaves.toml", label = "leaf", reaches = 2 },
+    { scene = "trunks.toml", label = "trunk", reaches = 2 },
+]
+engineered = [
+    { scene = "leaves.toml", label = "leaf" },
+    { scene = "leaves.toml", label = "trunk", max_draws = 1 },
+]
+"#,
+    );
+    let experiment = Experiment::load(&folder.path().join("small.toml")).unwrap();
+    let session = || Session::new(&experiment, (3, false, 1), folder.path(), &Silent);
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    // The second time they are read from the files.
+    for _ in 0..2 {
+        let found = one_thread.install(|| run(&session()).map(|found| found.engineered)).unwrap();
+        assert_eq!([0, 1].map(|place| found[place].1.reaches.len()), [1, 0]);
+        assert_eq!(found[1].1.drawn, 1);
     }
 }

@@ -36,7 +36,7 @@ fn add_moment(report: &mut Report, moment: &Moment, place: usize) {
     let Recording { scene, reach_index, .. } = &moment.recording;
     let (time_s, taxels) = (moment.frame().time_s, verdicts.len());
     let labels = report.results.definition.labels();
-    let skin = format!("{}-skin", slug(scene));
+    let skin = format!("moment-{place}-skin");
     let charts = [image(moment, place), skin_map::svg(&skin, (&patch.name, grid), (&labels, looks), verdicts, pressed)];
     let untouched = verdicts.keys().filter(|taxel| !pressed.contains(taxel)).count();
     let marks = marks_in_words(&labels, looks);
