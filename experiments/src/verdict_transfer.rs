@@ -18,9 +18,9 @@ pub type FoldedReaches = Vec<(usize, Recording)>;
 pub struct VerdictTransfer {
     /// The setting.
     pub setting: String,
-    /// By networks fitted at this setting; `None` if too few contacts were touched.
+    /// By networks fitted at this setting; `None` if too few contacts were touched, or a category in one fold alone.
     pub fitted_here: Option<f64>,
-    /// By networks fitted at the scenes' own setting; `None` if too few contacts were touched.
+    /// By networks fitted at the scenes' own setting; `None` as for `fitted_here`.
     pub fitted_nominally: Option<f64>,
     /// Number of contacts.
     pub contacts: usize,
@@ -45,23 +45,24 @@ impl VerdictTransfer {
 }
 
 /// Number of contacts in each fold of `tested`, and the balanced accuracy on them of networks fitted to the other fold of
-/// `fitted`; none if there is nothing to fit to.
+/// `fitted`; none if there is nothing to fit to, or a fold lacks a category.
 fn judged(
     options: &TouchOptions,
     fitted: &FoldedReaches,
     tested: &FoldedReaches,
 ) -> Result<(usize, Option<f64>), Fault> {
-    let (mut evaluation, mut categories) = (TouchEvaluation::default(), Vec::new());
+    let mut examples = TouchExamples::new(options.clone());
+    for (_, recording) in fitted {
+        examples.add(recording)?;
+    }
+    let (mut evaluation, categories) = (TouchEvaluation::default(), examples.categories());
     for fold in 0..2 {
-        let mut examples = TouchExamples::new(options.clone());
-        for (_, recording) in fitted.iter().filter(|(own, _)| *own != fold) {
-            examples.add(recording)?;
-        }
-        let model = match examples.fit(None) {
+        let model = match examples.some(|index| fitted[index].0 != fold).fit(None) {
             Err(ModelError::NoCategories { .. } | ModelError::Mismatch { .. }) => return Ok((0, None)),
+            // Verdicts of models of different categories cannot be counted together.
+            Ok(model) if model.categories() != categories => return Ok((0, None)),
             model => Arc::new(model?),
         };
-        categories = model.categories().to_vec();
         let tested = tested.iter().filter(|(own, _)| *own == fold).map(|(_, recording)| recording);
         evaluation.add(TouchEvaluation::of_all(&model, tested)?);
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::evaluate::touch::{TouchEvaluation, TouchTally};
-use underbrush_classifier::evaluate::{Accuracy, TouchFigures, UnknownFigures};
+use underbrush_classifier::evaluate::{Accuracy, EvaluateError, TouchFigures, UnknownFigures};
 use underbrush_classifier::touch::TouchExamples;
 use underbrush_recording::{Fault, Recording};
 use underbrush_sim::campaign::Job;
@@ -166,9 +166,19 @@ fn drawn(session: &Session, section: &VerdictSection, scene: &str) -> Result<Vec
     each_reach(&[plan], &jobs, 0, session.progress, |_, own| Ok(own))
 }
 
-/// Judges every `FOLDS`-th recording by networks fitted to the others.
-fn held_out(examples: &TouchExamples, recordings: &[Recording], fold: usize) -> Result<TouchEvaluation, Fault> {
+/// Judges every `FOLDS`-th recording by networks fitted to the others, which must have all categories: verdicts of models
+/// of different categories cannot be counted together.
+pub(crate) fn held_out(
+    examples: &TouchExamples,
+    recordings: &[Recording],
+    fold: usize,
+) -> Result<TouchEvaluation, Fault> {
     let model = Arc::new(examples.some(|index| index % FOLDS != fold).fit(None)?);
+    let (left, all) = (model.categories().to_vec(), examples.categories());
+    if left != all {
+        let remedy = "ask for more reaches of the training scenes or of the verdicts' scene";
+        return Err(EvaluateError::FewCategories { fold: fold + 1, folds: FOLDS, left, all, remedy }.into());
+    }
     Ok(TouchEvaluation::of_all(&model, recordings.iter().skip(fold).step_by(FOLDS))?)
 }
 

@@ -8,4 +8,5 @@ mod settings;
 mod sources;
 mod table_one_paper;
 mod trials;
+mod verdict_categories;
 mod verdict_controller;
