@@ -38,8 +38,9 @@ impl VerdictTransfer {
         here: &FoldedReaches,
         nominal: &FoldedReaches,
     ) -> Result<Self, Fault> {
-        let (contacts, fitted_here) = judged(options, here, here)?;
-        let (_, fitted_nominally) = judged(options, nominal, here)?;
+        let (by_own, fitted_here) = judged(options, here, here)?;
+        let (by_nominal, fitted_nominally) = judged(options, nominal, here)?;
+        let contacts = by_own.max(by_nominal);
         Ok(VerdictTransfer { setting: setting.to_owned(), fitted_here, fitted_nominally, contacts })
     }
 }
