@@ -118,6 +118,15 @@ fn numbers_and_patch_are_checked_when_the_file_is_read() {
             "from 1 to 1000",
         ),
         ("[trials]\npatch = \"nosuch\"", 14, "trials.patch", "nosuch", "forearm, flipper"),
+        ("[controllers]\nscene = \"one.toml\"\nreaches = 0", 15, "controllers.reaches", "0", "1 to 1000000"),
+        ("[verdicts]\nscene = \"one.toml\"\nreaches = 1000001", 15, "verdicts.reaches", "1000001", "1 to 1000000"),
+        (
+            "[verdicts]\nscene = \"one.toml\"\nreaches = 1\nquick_reaches = 0",
+            16,
+            "verdicts.quick_reaches",
+            "0",
+            "1 to 1000000",
+        ),
     ] {
         let error = error(&format!("{SMALL}{section}\n"));
         assert_eq!((error.line, error.field.as_str()), (Some(line), field), "{error}");
