@@ -1,5 +1,6 @@
 //! Contact trials of recordings and data sets, by taxel or by component.
 
+use rayon::prelude::*;
 use underbrush_classifier::trial::{
     Labels, TrialError, TrialOptions, Unit, component_trials, environment, taxel_trials,
 };
@@ -47,26 +48,24 @@ fn cut(recording: &Recording, options: &TrialOptions, first: u64) -> Result<Vec<
 /// # Errors
 /// If the set cannot be read or a reach cannot be cut; [`ReachError::Stopped`] if the user ends the run.
 pub fn of_dataset(dataset: &Dataset, options: &TrialOptions, progress: &dyn Progress) -> Result<Vec<Trial>, Fault> {
-    let (mut trials, mut mixed) = (Vec::new(), 0);
-    each_episode(dataset, progress, |episode, recording| {
-        mixed += usize::from(is_mixed(recording, options));
-        let mut found = cut(recording, options, trials.len() as u64)?;
-        found.iter_mut().for_each(|trial| trial.reach = Some(episode as u64));
-        trials.extend(found);
-        Ok(())
+    let parts = each_episode(dataset, progress, |episode, recording| {
+        let trials = cut(recording, options, 0)?.into_iter();
+        let trials: Vec<Trial> = trials.map(|trial| Trial { reach: Some(episode as u64), ..trial }).collect();
+        Ok((is_mixed(recording, options), trials))
     })?;
-    warn_of_mixed(mixed, dataset.episodes().len());
-    Ok(trials)
+    warn_of_mixed(parts.iter().filter(|(is_mixed, _)| *is_mixed).count(), parts.len());
+    let trials = parts.into_iter().flat_map(|(_, trials)| trials).zip(0..);
+    Ok(trials.map(|(trial, number)| Trial { trial: number, ..trial }).collect())
 }
 
-/// Reads the reaches of a data set one after the other, and returns what `each` makes of them.
+/// Reads the reaches of a data set, several at a time, and returns what `each` makes of them, in their order.
 ///
 /// # Errors
 /// If the set cannot be read, and the errors of `each`; [`ReachError::Stopped`] if the user ends the run.
-pub fn each_episode<T>(
+pub fn each_episode<T: Send>(
     dataset: &Dataset,
     progress: &dyn Progress,
-    mut each: impl FnMut(usize, &Recording) -> Result<T, TrialError>,
+    each: impl Fn(usize, &Recording) -> Result<T, Fault> + Sync,
 ) -> Result<Vec<T>, Fault> {
     let episodes = 0..dataset.episodes().len();
     let count = progress.count("reaches read", episodes.len() as u64, 0);
@@ -78,5 +77,5 @@ pub fn each_episode<T>(
         count.advance();
         Ok(made)
     };
-    episodes.map(read).collect()
+    episodes.into_par_iter().with_max_len(1).map(read).collect()
 }

@@ -124,8 +124,8 @@ impl Trials {
     /// The trials of the run's training reaches, extracted with these options.
     pub fn of_dataset(session: &Session, dataset: &Dataset, options: &TrialOptions) -> Result<Self, Fault> {
         let reaches = reaches(session.experiment, session.quick);
-        let cut = |_, recording: &Recording| Trials::cut(recording, options);
-        let parts = contact_trials::each_episode(dataset, session.progress, cut)?;
+        let parts =
+            contact_trials::each_episode(dataset, session.progress, |_, own| Ok(Trials::cut(own, options)?))?;
         Ok(Trials::joined(session.experiment, &reaches, options, parts))
     }
 

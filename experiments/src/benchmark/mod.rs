@@ -19,14 +19,14 @@ mod verdicts;
 
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
 use underbrush_recording::disk::Dataset;
 use underbrush_recording::fault::Fault;
-use underbrush_recording::{InputError, Recording};
+use underbrush_recording::InputError;
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::MakeController;
 use underbrush_sim::scene::Scene;
 
+use crate::contact_trials::each_episode;
 use crate::dataset::{Campaign, PROGRAM_VERSION};
 use crate::files;
 use crate::progress::Progress;
@@ -219,7 +219,7 @@ impl Entry {
 
     fn figures(&self, sets: &[(String, Dataset)], progress: &dyn Progress) -> Result<Figures, Fault> {
         let judged = |(_, set): &(String, Dataset), model: &JudgedModel| {
-            each_reach(set, progress, |recording| Ok((recording.scene.clone(), model.judge(recording)?)))
+            each_episode(set, progress, |_, recording| Ok((recording.scene.clone(), model.judge(recording)?)))
         };
         Ok(match self {
             Entry::Verdicts(model) => {
@@ -247,7 +247,7 @@ impl Entry {
             Entry::Reaching(_) => {
                 let goals = frozen::scene(frozen::REACHING_SCENE)?.file.goals.number();
                 let of_set = |(_, set): &(String, Dataset)| {
-                    each_reach(set, progress, |reach| Ok(reaching::Reach::of(goals, reach)))
+                    each_episode(set, progress, |_, reach| Ok(reaching::Reach::of(goals, reach)))
                 };
                 let [public, audit] = [of_set(&sets[0])?, of_set(&sets[1])?];
                 let ranking = reaching::ranking([&public, &audit]);
@@ -261,23 +261,4 @@ impl Entry {
 /// The folder of a set inside the benchmark's folder.
 pub fn set_folder(folder: &Path, name: &str, quick: bool) -> PathBuf {
     folder.join(if quick { "quick-sets" } else { "sets" }).join(name)
-}
-
-/// Applies `of` to all reaches of a set, several at a time, and returns the results in the order of the reaches.
-fn each_reach<T: Send>(
-    set: &Dataset,
-    progress: &dyn Progress,
-    of: impl Fn(&Recording) -> Result<T, Fault> + Sync,
-) -> Result<Vec<T>, Fault> {
-    let reaches = set.episodes().len();
-    let count = progress.count("reaches", reaches as u64, 0);
-    (0..reaches)
-        .into_par_iter()
-        .with_max_len(1)
-        .map(|index| {
-            let found = of(&set.read_reach(index)?);
-            count.advance();
-            found
-        })
-        .collect()
 }

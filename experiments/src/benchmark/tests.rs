@@ -1,10 +1,10 @@
 use std::fmt::Write;
 
-use underbrush_recording::{Category, Contact, ContactPoint, Frame, GoalRecord, ObjectRecord, Outcome};
-use underbrush_sim::reach::ReachPlan;
+use underbrush_recording::{Category, Contact, ContactPoint, Frame, GoalRecord, ObjectRecord, Outcome, Recording};
+use underbrush_sim::reach::{ReachError, ReachPlan};
 
 use super::*;
-use crate::progress::Silent;
+use crate::progress::{Counter, Silent};
 
 /// What a frozen scene draws first with seed 1: objects with their properties, and goals.
 fn drawn(path: &str) -> (ReachPlan, String) {
@@ -255,4 +255,36 @@ fn reaching_figures_are_those_worked_out_by_hand() {
     assert!(near(found.trunk_peak_n, (8.0 + 0.0) / 2.0));
     // 1 s at 0.5 N, and 0.5 s at 0.2 N.
     assert!(near(found.leaf_impulse_n_s, (0.5 + 0.1) / 2.0));
+}
+
+/// Ends everything at once.
+struct Stopped;
+
+impl Progress for Stopped {
+    fn stage(&self, _: &str) {}
+
+    fn remark(&self, _: &str) {}
+
+    fn count(&self, _: &str, _: u64, _: u64) -> Box<dyn Counter> {
+        Box::new(Silent)
+    }
+
+    fn is_stopped(&self) -> bool {
+        true
+    }
+}
+
+/// Tests that reaches are read in their order, and that the user can end a run while figures are made of them.
+#[test]
+fn figures_can_be_ended() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "summary = \"A trunk\"\n[goals]\ncount = 1\n[[objects.trunk]]\ncount = 1\n";
+    let campaign = Campaign::new(vec![Scene::parse("trunk.toml", text.into()).unwrap()], 3, 1).unwrap();
+    let set = campaign.write(&folder.path().join("set"), false, &Silent).unwrap().dataset();
+    let read = each_episode(&set, &Silent, |place, reach| Ok((place as u64, reach.reach_index))).unwrap();
+    assert_eq!(read, [(0, 0), (1, 1), (2, 2)]);
+    let sets = ["one", "other"].map(|name| (name.to_owned(), Dataset::open(&folder.path().join("set")).unwrap()));
+    assert!(blind(None).figures(&sets, &Silent).is_ok());
+    let stopped = blind(None).figures(&sets, &Stopped).err().unwrap();
+    assert_eq!(stopped.to_string(), Fault::from(ReachError::Stopped).to_string());
 }
