@@ -1,6 +1,7 @@
 //! Reaches on which models are tested. They are drawn one after the other until enough of them meet the experiment's
 //! requirement, which is checked against the ground truth.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -11,8 +12,8 @@ use underbrush_recording::{Category, Fault, Recording};
 use underbrush_sim::reach::ReachPlan;
 
 use crate::dataset::reach_plan;
-use crate::result_cache::{self, Run};
-use crate::{Experiment, Progress, Session, files};
+use crate::run_folder::Plan;
+use crate::{Experiment, Progress, Session, files, result_cache};
 
 /// The requirement on a reach.
 enum Wanted {
@@ -60,7 +61,7 @@ struct Search {
 }
 
 /// Written when a search is complete, so that the search need not be repeated.
-#[derive(Serialize, Deserialize)]
+#[derive(Default, Serialize, Deserialize)]
 struct Index {
     drawn: u64,
     found: Vec<u64>,
@@ -97,28 +98,26 @@ impl Wanted {
 
 impl Search {
     /// Draws the reaches, or reads those that an earlier run has cached in `folder`.
-    fn run(&self, folder: &Path, run: &Run, progress: &dyn Progress) -> Result<Found, Fault> {
+    fn run(&self, folder: &Path, plan: Plan, progress: &dyn Progress) -> Result<Found, Fault> {
         let scene = self.plan.scene.name.clone();
         let file = |index: u64| -> PathBuf { folder.join(format!("{}-{index}.parquet", self.name)) };
         let index_file = folder.join(format!("{}.json", self.name));
-        let (mut drawn, mut reaches) = (0, Vec::new());
-        if let Some(index) = result_cache::load::<Index>(&index_file, run, progress) {
-            drawn = index.drawn;
-            for index in index.found {
-                reaches.push(self.cached(&file(index), index, progress)?);
-            }
-        } else {
-            while drawn < self.max_draws && reaches.len() < self.enough {
-                let recording = self.plan.run_until(drawn, &mut |_| {}, &|| progress.is_stopped())?;
+        let mut new = BTreeMap::new();
+        let Index { drawn, found } = result_cache::result(&index_file, plan, progress, || {
+            let mut index = Index::default();
+            while index.drawn < self.max_draws && index.found.len() < self.enough {
+                let recording = self.plan.run_until(index.drawn, &mut |_| {}, &|| progress.is_stopped())?;
                 if self.wanted.is(&recording, &self.options)? {
-                    write_recording(file(drawn), &recording)?;
-                    reaches.push(recording);
+                    write_recording(file(index.drawn), &recording)?;
+                    index.found.push(index.drawn);
+                    new.insert(index.drawn, recording);
                 }
-                drawn += 1;
+                index.drawn += 1;
             }
-            let index = Index { drawn, found: reaches.iter().map(|recording| recording.reach_index).collect() };
-            result_cache::store(&index_file, run, &index)?;
-        }
+            Ok(index)
+        })?;
+        let reach = |index| new.remove(&index).map_or_else(|| self.cached(&file(index), index, progress), Ok);
+        let reaches = found.into_iter().map(reach).collect::<Result<_, _>>()?;
         Ok(Found { scene, drawn, reaches })
     }
 
@@ -186,12 +185,11 @@ pub fn run(session: &Session) -> Result<TestReaches, Fault> {
         let folder = session.folder.join("reaches");
         files::create_folder(&folder)?;
         let count = progress.count("experiments", searches.len() as u64, 0);
-        let run = session.run_of(session.seed);
         let found: Vec<Result<Found, Fault>> = searches
             .par_iter()
             .with_max_len(1)
             .map(|search| {
-                let found = search.run(&folder, &run, progress);
+                let found = search.run(&folder, session.plan_of(session.seed), progress);
                 count.advance();
                 found
             })

@@ -5,20 +5,21 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Value, json};
 use underbrush_recording::Fault;
 
-use crate::dataset::PROGRAM_VERSION;
+use crate::run_folder::Plan;
 use crate::{Progress, files};
 
 /// Hash of the sources that decide results: this crate and the classifier.
 pub const ANALYSIS_VERSION: &str = env!("UNDERBRUSH_ANALYSIS_SOURCES");
 
-/// A cached result.
+/// A cached result, with a hash of it and of its origin. A file that was edited or damaged is not used.
 #[derive(Serialize, Deserialize)]
-struct Kept<T> {
+struct Kept {
+    blake3: String,
     made_by: MadeBy,
-    result: T,
+    result: Value,
 }
 
 /// Everything that a result depends on.
@@ -26,123 +27,50 @@ struct Kept<T> {
 struct MadeBy {
     /// The name of the file, so that one result is never taken for another.
     name: String,
-    /// Version with a hash of the sources that decide data.
-    program: String,
     /// Hash of the sources that decide trials, models and figures.
     analysis: String,
     #[serde(flatten)]
-    run: Run,
+    plan: Plan,
 }
 
-/// The run that a result belongs to.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Run {
-    /// The seed.
-    pub seed: u64,
-    /// Whether it is a quick run.
-    pub quick: bool,
-    /// Hash of the experiment with its scenes and arms.
-    pub experiment: String,
-}
+impl Kept {
+    /// BLAKE3 of origin and result as compact JSON with sorted keys.
+    fn hash(&self) -> String {
+        blake3::hash(json!([self.made_by, self.result]).to_string().as_bytes()).to_hex().to_string()
+    }
 
-impl MadeBy {
-    fn this_run(path: &Path, run: &Run) -> Self {
-        MadeBy {
-            name: path.file_stem().unwrap_or_default().to_string_lossy().into(),
-            program: PROGRAM_VERSION.into(),
-            analysis: ANALYSIS_VERSION.into(),
-            run: run.clone(),
+    /// The result in a file, if it has this origin. A damaged file counts as missing, with a warning.
+    fn read<T: DeserializeOwned>(path: &Path, made_by: &MadeBy, progress: &dyn Progress) -> Option<T> {
+        let bytes = std::fs::read(path).ok()?;
+        let kept = serde_json::from_slice::<Kept>(&bytes).ok().filter(|kept| kept.hash() == kept.blake3);
+        if kept.is_none() {
+            let path = path.display();
+            progress.remark(&format!("{path}: does not match its checksum, so it is computed again"));
         }
+        kept.filter(|kept| kept.made_by == *made_by).and_then(|kept| serde_json::from_value(kept.result).ok())
     }
 }
 
-/// The result in a file, if it was made by this build for this seed and size and is undamaged.
-pub fn load<T: DeserializeOwned>(path: &Path, run: &Run, progress: &dyn Progress) -> Option<T> {
-    let kept: Kept<T> = read(path, progress)?;
-    (kept.made_by == MadeBy::this_run(path, run)).then_some(kept.result)
-}
-
-/// Writes a result to the cache.
-pub fn store<T: Serialize>(path: &Path, run: &Run, result: &T) -> Result<(), Fault> {
-    let made_by = MadeBy::this_run(path, run);
-    write(path, &Kept { made_by, result })
-}
-
-/// The cached result, or else a new one, which is then cached.
+/// The result in a file, if it was made by this build for this plan and is undamaged; or else a new one, which is then
+/// cached there.
 pub fn result<T: Serialize + DeserializeOwned>(
     path: &Path,
-    run: &Run,
+    plan: Plan,
     progress: &dyn Progress,
     make: impl FnOnce() -> Result<T, Fault>,
 ) -> Result<T, Fault> {
-    if let Some(kept) = load(path, run, progress) {
-        return Ok(kept);
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into();
+    let made_by = MadeBy { name, analysis: ANALYSIS_VERSION.into(), plan };
+    if let Some(result) = Kept::read(path, &made_by, progress) {
+        return Ok(result);
     }
     let made = make()?;
-    store(path, run, &made)?;
+    let result = serde_json::to_value(&made).map_err(files::unwritable(path))?;
+    let mut kept = Kept { blake3: String::new(), made_by, result };
+    kept.blake3 = kept.hash();
+    files::write_json(path, &kept)?;
     Ok(made)
 }
 
-/// A file with a hash of its content. A file that was edited or damaged is not used.
-#[derive(Serialize, Deserialize)]
-struct Sealed {
-    /// BLAKE3 of the content as compact JSON with sorted keys.
-    blake3: String,
-    content: Value,
-}
-
-fn hash(content: &Value) -> String {
-    blake3::hash(content.to_string().as_bytes()).to_hex().to_string()
-}
-
-/// Writes the content with its hash.
-pub(crate) fn write<T: Serialize>(path: &Path, content: &T) -> Result<(), Fault> {
-    let content = serde_json::to_value(content).map_err(files::unwritable(path))?;
-    files::write_json(path, &Sealed { blake3: hash(&content), content })
-}
-
-/// The content of a file that [`write`] has written. A damaged file counts as missing, with a warning.
-pub(crate) fn read<T: DeserializeOwned>(path: &Path, progress: &dyn Progress) -> Option<T> {
-    let bytes = std::fs::read(path).ok()?;
-    let sealed = serde_json::from_slice::<Sealed>(&bytes).ok().filter(|sealed| hash(&sealed.content) == sealed.blake3);
-    if sealed.is_none() {
-        let path = path.display();
-        progress.remark(&format!("{path}: does not match its checksum, so it is computed again"));
-    }
-    serde_json::from_value(sealed?.content).ok()
-}
-
 #[cfg(test)]
-mod tests {
-    use super::write;
-    use crate::progress::Silent;
-
-    fn read<T: serde::de::DeserializeOwned>(path: &std::path::Path) -> Option<T> {
-        super::read(path, &Silent)
-    }
-
-    /// Tests that content is read back as it was written, and that a file with an edited number or a single flipped bit
-    /// never gives other content.
-    #[test]
-    fn an_edited_file_is_not_taken() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("kept.json");
-        let content = vec![0.1 + 0.2, -0.0, 1e300, 64.25];
-        write(&path, &content).unwrap();
-        assert_eq!(read::<Vec<f64>>(&path), Some(content.clone()));
-        let whole = std::fs::read(&path).unwrap();
-        let edited = String::from_utf8(whole.clone()).unwrap().replace("64.25", "94.25");
-        std::fs::write(&path, edited).unwrap();
-        assert_eq!(read::<Vec<f64>>(&path), None);
-        for place in 0..whole.len() {
-            for bit in 0..8 {
-                let mut flipped = whole.clone();
-                flipped[place] ^= 1 << bit;
-                std::fs::write(&path, flipped).unwrap();
-                let taken = read::<Vec<f64>>(&path);
-                assert!(taken.is_none() || taken.as_ref() == Some(&content), "byte {place}, bit {bit}: {taken:?}");
-            }
-        }
-        assert_eq!(read::<Vec<f64>>(&folder.path().join("none.json")), None);
-    }
-}
+mod tests;

@@ -12,7 +12,7 @@ use crate::definition::Experiment;
 use crate::files::{self, storage};
 
 /// Everything that decides the reaches of a run.
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// Version, with a hash of the sources that decide data.
     pub program: String,

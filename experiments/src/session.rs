@@ -12,8 +12,8 @@ use serde::de::DeserializeOwned;
 use underbrush_recording::Fault;
 use underbrush_sim::reach::ReachError;
 
-use crate::result_cache::{self, Run};
-use crate::{Experiment, Progress};
+use crate::run_folder::Plan;
+use crate::{Experiment, Progress, result_cache};
 
 /// A run of an experiment.
 pub struct Session<'a> {
@@ -121,9 +121,9 @@ impl<'a> Session<'a> {
         self.start.elapsed().as_secs_f64()
     }
 
-    /// Everything that a cached result of a seed depends on.
-    pub fn run_of(&self, seed: u64) -> Run {
-        Run { seed, quick: self.quick, experiment: self.experiment.hash.clone() }
+    /// The plan of a seed, on which its cached results depend.
+    pub fn plan_of(&self, seed: u64) -> Plan {
+        Plan::new(self.experiment, seed, self.quick)
     }
 
     /// The result of a seed: cached by an earlier run, or computed now and then cached.
@@ -137,6 +137,6 @@ impl<'a> Session<'a> {
         make: impl FnOnce() -> Result<T, Fault>,
     ) -> Result<T, Fault> {
         let path: PathBuf = self.folder.join("campaigns").join(format!("{name}-{seed}.json"));
-        result_cache::result(&path, &self.run_of(seed), self.progress, make)
+        result_cache::result(&path, self.plan_of(seed), self.progress, make)
     }
 }

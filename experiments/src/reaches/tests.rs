@@ -58,10 +58,10 @@ fn a_damaged_reach_is_drawn_again() {
         enough: 1,
         max_draws: 1,
     };
-    let run = Run { seed: 0, quick: false, experiment: String::new() };
+    let plan = Plan::new(&Experiment::paper().unwrap(), 0, false);
     let found = || {
         let remarks = Remarks::default();
-        let found = search.run(folder.path(), &run, &remarks).unwrap();
+        let found = search.run(folder.path(), plan.clone(), &remarks).unwrap();
         (found.reaches, remarks.0.into_inner().unwrap())
     };
     let (first, _) = found();

@@ -2,7 +2,6 @@
 
 mod campaigns;
 mod definitions;
-mod kept_results;
 mod resumed;
 mod settings;
 mod sources;
