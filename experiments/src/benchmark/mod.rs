@@ -38,6 +38,7 @@ use objects::END;
 pub use crate::resampled::Estimate;
 pub use halves::{Halves, Ranking};
 pub use judged_model::JudgedModel;
+pub(crate) use reaching::Reach;
 pub use reaching::Reaching;
 pub use row::{EntryRecord, Figures, Row, SceneRecord, SetRecord};
 pub use transfer::{Transfer, TransferTo};
@@ -247,7 +248,7 @@ impl Entry {
             Entry::Reaching(_) => {
                 let goals = frozen::scene(frozen::REACHING_SCENE)?.file.goals.number();
                 let of_set = |(_, set): &(String, Dataset)| {
-                    each_episode(set, progress, |_, reach| Ok(reaching::Reach::of(goals, reach)))
+                    each_episode(set, progress, |_, reach| Ok(Reach::of(goals, reach)))
                 };
                 let [public, audit] = [of_set(&sets[0])?, of_set(&sets[1])?];
                 let ranking = reaching::ranking([&public, &audit]);

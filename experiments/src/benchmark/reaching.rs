@@ -33,21 +33,24 @@ pub struct Reaching {
     pub largest_on_trunk_n: f64,
 }
 
-/// The part of a reach that the figures need.
+/// The part of a reach that figures of controllers need.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Reach {
-    goals: usize,
-    reached: usize,
+pub(crate) struct Reach {
+    pub(crate) goals: usize,
+    pub(crate) reached: usize,
     reached_gently: usize,
-    seconds: f64,
-    trunk_peak_n: f64,
+    pub(crate) seconds: f64,
+    pub(crate) trunk_peak_n: f64,
     leaf_impulse_n_s: f64,
+    pub(crate) safety_stops: usize,
 }
 
 impl Reach {
-    /// The part of a recording that had this many goals to reach.
-    pub(super) fn of(drawn_goals: u32, recording: &Recording) -> Self {
-        let mut reach = Reach { goals: drawn_goals as usize, ..Reach::default() };
+    /// The part of a recording that had this many goals to reach. Those that were not tried because of a safety stop count
+    /// as not reached.
+    pub(crate) fn of(drawn_goals: u32, recording: &Recording) -> Self {
+        let safety_stops = recording.goal_outcomes().aborted;
+        let mut reach = Reach { goals: drawn_goals as usize, safety_stops, ..Reach::default() };
         for (index, goal) in recording.goals.iter().enumerate() {
             reach.seconds += goal.end_time_s - goal.start_time_s;
             if goal.outcome == Outcome::Reached {

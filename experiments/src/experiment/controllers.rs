@@ -1,11 +1,12 @@
 //! Goals and forces by controller: the published one, and the one that maps what it touches and plans a way round.
 
 use serde::{Deserialize, Serialize};
-use underbrush_recording::{Category, Fault, Outcome, Recording};
+use underbrush_recording::Fault;
 use underbrush_sim::campaign::Job;
 use underbrush_sim::scene::ProgressRule;
 use underbrush_sim::{ControllerKind, ReachPlan};
 
+use crate::benchmark::Reach;
 use crate::dataset::{each_reach, reach_plan};
 use crate::resampled::Estimate;
 use crate::{Session, VerdictControl};
@@ -41,15 +42,6 @@ pub struct ControllerFigures {
     pub safety_stops: usize,
 }
 
-/// What counts of a reach.
-struct Counted {
-    goals: f64,
-    reached: f64,
-    seconds: f64,
-    trunk_peak_n: f64,
-    safety_stops: usize,
-}
-
 /// Runs the reaches with each controller. A quick run has too few reaches for it.
 pub fn run(session: &Session) -> Result<ComparedControllers, Fault> {
     let Some(section) = session.experiment.file.controllers.as_ref().filter(|_| !session.quick) else {
@@ -70,11 +62,11 @@ pub fn run(session: &Session) -> Result<ComparedControllers, Fault> {
             ];
             let mut controllers = Vec::new();
             for (name, plan) in plans {
-                let goals = f64::from(plan.scene.file.goals.number());
+                let goals = plan.scene.file.goals.number();
                 let jobs = (0..section.reaches).map(|index| Job { plan: 0, reach_index: FIRST_INDEX + index });
                 let jobs: Vec<Job> = jobs.collect();
-                let counted = each_reach(&[plan], &jobs, 0, session.progress, |_, own| Ok(Counted::of(goals, &own)))?;
-                controllers.push(ControllerFigures::of(name, &counted));
+                let reaches = each_reach(&[plan], &jobs, 0, session.progress, |_, own| Ok(Reach::of(goals, &own)))?;
+                controllers.push(ControllerFigures::of(name, &reaches));
             }
             let scene = session.experiment.scene(&section.scene)?.name.clone();
             Ok(ComparedControllers { scene, reaches: section.reaches, controllers })
@@ -82,29 +74,44 @@ pub fn run(session: &Session) -> Result<ComparedControllers, Fault> {
     })
 }
 
-impl Counted {
-    /// A reach with so many goals. Those that were not tried because of a safety stop count as not reached.
-    fn of(goals: f64, recording: &Recording) -> Self {
-        let outcomes = |wanted| recording.goals.iter().filter(|goal| goal.outcome == wanted).count();
-        Counted {
-            goals,
-            reached: outcomes(Outcome::Reached) as f64,
-            seconds: recording.goals.iter().map(|goal| goal.end_time_s - goal.start_time_s).sum(),
-            trunk_peak_n: recording.contact_forces(Some(Category::TRUNK)).peak_n,
-            safety_stops: outcomes(Outcome::Aborted),
-        }
-    }
-}
-
 impl ControllerFigures {
-    fn of(name: &str, reaches: &[Counted]) -> Self {
-        let a_goal = |of: fn(&Counted) -> f64| Estimate::of_ratio(reaches, of, |own| own.goals);
+    fn of(name: &str, reaches: &[Reach]) -> Self {
+        let a_goal = |of: fn(&Reach) -> f64| Estimate::of_ratio(reaches, of, |own| own.goals as f64);
         ControllerFigures {
             name: name.into(),
-            reached: a_goal(|own| own.reached),
+            reached: a_goal(|own| own.reached as f64),
             goal_s: a_goal(|own| own.seconds),
             trunk_peak_n: Estimate::of_ratio(reaches, |own| own.trunk_peak_n, |_| 1.0),
             safety_stops: reaches.iter().map(|own| own.safety_stops).sum(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use underbrush_recording::{GoalRecord, Outcome, Recording};
+
+    use super::*;
+
+    /// Tests that goals that were not tried because of a safety stop count as not reached, and that safety stops are counted.
+    #[test]
+    fn goals_after_a_safety_stop_are_not_reached() {
+        let reach = |outcomes: &[Outcome]| {
+            let goal = |outcome: &Outcome| GoalRecord {
+                position_world: glam::DVec3::ZERO,
+                start_time_s: 1.0,
+                end_time_s: 4.0,
+                outcome: *outcome,
+                safety_stop: None,
+                given_up: None,
+            };
+            Reach::of(4, &Recording { goals: outcomes.iter().map(goal).collect(), ..Recording::default() })
+        };
+        let stopped = reach(&[Outcome::Reached, Outcome::Aborted]);
+        let whole = reach(&[Outcome::Reached, Outcome::Stuck, Outcome::Reached, Outcome::TimedOut]);
+        let found = ControllerFigures::of("any", &[stopped, whole]);
+        // Two goals of the first reach took 6 s, and four of the second 12 s.
+        assert_eq!([found.reached.value, found.goal_s.value], [Some(3.0 / 8.0), Some(18.0 / 8.0)]);
+        assert_eq!((found.trunk_peak_n.value, found.safety_stops), (Some(0.0), 1));
     }
 }
