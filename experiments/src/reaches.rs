@@ -160,15 +160,13 @@ pub fn run(session: &Session) -> Result<TestReaches, Fault> {
     };
     // The longest reaches first, so that no thread waits for them at the end.
     let mut searches = Vec::new();
-    let second_outlier = file.second_outlier.as_ref().filter(|_| !session.quick);
     for (section, own, wanted) in [
         ("outlier", file.outlier.as_ref(), Wanted::OutlierFirst(known.clone())),
-        ("second-outlier", second_outlier, Wanted::Unknown(known.clone())),
+        ("second-outlier", file.second_outlier.as_ref(), Wanted::Unknown(known.clone())),
         ("general", file.general.as_ref(), Wanted::All(known.clone())),
     ] {
         if let Some(own) = own {
-            let (enough, draws) = (own.reaches(session.quick), own.draws(session.quick));
-            searches.push(search(section, &own.scene, wanted, enough, draws)?);
+            searches.push(search(section, &own.scene, wanted, own.reaches, own.max_draws)?);
         }
     }
     let mut categories = Vec::new();
@@ -176,7 +174,7 @@ pub fn run(session: &Session) -> Result<TestReaches, Fault> {
         let Some(category) = experiment.category(&own.label) else { continue };
         let section = format!("engineered-{}", categories.len());
         categories.push(category);
-        searches.push(search(&section, &own.scene, Wanted::Only(category), 1, own.draws(session.quick))?);
+        searches.push(search(&section, &own.scene, Wanted::Only(category), 1, own.max_draws)?);
     }
     if searches.is_empty() {
         return Ok(TestReaches { engineered: Vec::new(), general: None, outlier: None, second_outlier: None });
@@ -196,7 +194,7 @@ pub fn run(session: &Session) -> Result<TestReaches, Fault> {
             .collect();
         let mut found = found.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter();
         let outlier = file.outlier.as_ref().and_then(|_| found.next());
-        let second_outlier = second_outlier.and_then(|_| found.next());
+        let second_outlier = file.second_outlier.as_ref().and_then(|_| found.next());
         let general = file.general.as_ref().and_then(|_| found.next());
         Ok(TestReaches {
             engineered: categories.iter().copied().zip(found).collect(),

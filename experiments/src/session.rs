@@ -17,11 +17,11 @@ use crate::{Experiment, Progress, result_cache};
 
 /// A run of an experiment.
 pub struct Session<'a> {
-    /// The experiment.
+    /// The experiment; in a quick run the small one.
     pub experiment: &'a Experiment,
     /// The seed.
     pub seed: u64,
-    /// Whether to run fewer reaches and no ablation.
+    /// Whether it is a quick run.
     pub quick: bool,
     /// Number of independent campaigns, of this seed and the next ones.
     pub campaigns: u64,

@@ -31,7 +31,7 @@ pub struct TrainingData {
 pub fn run(session: &Session) -> Result<TrainingData, Fault> {
     let (experiment, progress) = (session.experiment, session.progress);
     let dataset = session.stage("Training reaches", || {
-        let campaign = campaign(experiment, session.seed, &reaches(experiment, session.quick), |_| {})?;
+        let campaign = campaign(experiment, session.seed, &reaches(experiment), |_| {})?;
         let folder = session.folder.join("dataset");
         match Dataset::open(&folder) {
             Ok(dataset) if campaign.has_made(&dataset)? => {
@@ -56,9 +56,8 @@ pub fn run(session: &Session) -> Result<TrainingData, Fault> {
 }
 
 /// Number of reaches of each training scene.
-pub fn reaches(experiment: &Experiment, quick: bool) -> Vec<u64> {
-    let training = experiment.file.training.iter();
-    training.map(|training| training.reaches(quick)).collect()
+pub fn reaches(experiment: &Experiment) -> Vec<u64> {
+    experiment.file.training.iter().map(|training| training.reaches).collect()
 }
 
 /// The index of the training scene of the reach at a position of a campaign with these numbers of reaches of each scene,
@@ -123,7 +122,7 @@ impl Trials {
 
     /// The trials of the run's training reaches, extracted with these options.
     pub fn of_dataset(session: &Session, dataset: &Dataset, options: &TrialOptions) -> Result<Self, Fault> {
-        let reaches = reaches(session.experiment, session.quick);
+        let reaches = reaches(session.experiment);
         let parts =
             contact_trials::each_episode(dataset, session.progress, |_, own| Ok(Trials::cut(own, options)?))?;
         Ok(Trials::joined(session.experiment, &reaches, options, parts))

@@ -34,7 +34,8 @@ impl Reproduction<'_> {
     /// If the folder holds the results of another run, a stage fails, or a file cannot be written.
     pub fn run(&self, out: &Path, progress: &dyn Progress) -> Result<(Results, Written), Fault> {
         let _in_use = Plan::new(self.experiment, self.seed, self.quick).settle(out, self.force)?;
-        let session = Session::new(self.experiment, (self.seed, self.quick, self.campaigns), out, progress);
+        let experiment = self.experiment();
+        let session = Session::new(&experiment, (self.seed, self.quick, self.campaigns), out, progress);
         let data = session.once(training::run)?;
         for warning in audit::warnings(data.dataset.episodes(), data.dataset.layout()) {
             progress.remark(&warning);
@@ -66,7 +67,14 @@ impl Reproduction<'_> {
     /// If the folder holds the results of another run, a stage fails, or a file cannot be written.
     pub fn run_campaign(&self, seed: u64, out: &Path, progress: &dyn Progress) -> Result<(), Fault> {
         let _in_use = Plan::new(self.experiment, self.seed, self.quick).settle(out, false)?;
-        let session = Session::new(self.experiment, (self.seed, self.quick, self.campaigns), out, progress);
+        let experiment = self.experiment();
+        let session = Session::new(&experiment, (self.seed, self.quick, self.campaigns), out, progress);
         campaigns::run_one(&session, seed)
+    }
+
+    /// The experiment of its size.
+    fn experiment(&self) -> Experiment {
+        let whole = self.experiment.clone();
+        if self.quick { whole.made_small() } else { whole }
     }
 }

@@ -76,13 +76,6 @@ pub struct ExperimentFile {
     pub published: Option<Published>,
 }
 
-impl ExperimentFile {
-    /// Recipes of the cross-validation table of a full run, or the first one of a quick run.
-    pub fn recipes(&self, quick: bool) -> &[RecipeName] {
-        if quick { &self.recipes[..self.recipes.len().min(1)] } else { &self.recipes }
-    }
-}
-
 fn default_states() -> Vec<usize> {
     vec![10]
 }
@@ -127,15 +120,6 @@ pub struct TrainingScene {
 }
 
 impl TrainingScene {
-    /// Number of reaches of a full run or a quick one.
-    pub fn reaches(&self, quick: bool) -> u64 {
-        if quick {
-            self.quick_reaches.unwrap_or(self.reaches.div_ceil(3).max(2).min(self.reaches))
-        } else {
-            self.reaches
-        }
-    }
-
     /// Number of reaches at each setting, at least two and at most as many as in the run itself.
     pub fn setting_reaches(&self) -> u64 {
         self.setting_reaches.unwrap_or(self.reaches.div_ceil(2).max(2)).min(self.reaches)
@@ -153,13 +137,6 @@ pub struct EngineeredScene {
     /// Reaches are drawn until one does what it should, but no more than this many; only one with `--quick`.
     #[serde(default = "default_draws")]
     pub max_draws: u64,
-}
-
-impl EngineeredScene {
-    /// The most reaches that are drawn until one does what it should: one in a quick run.
-    pub fn draws(&self, quick: bool) -> u64 {
-        if quick { 1 } else { self.max_draws }
-    }
 }
 
 fn default_draws() -> u64 {
@@ -182,18 +159,6 @@ pub struct TestScene {
     pub max_draws: u64,
 }
 
-impl TestScene {
-    /// Number of reaches of a full run or a quick one.
-    pub fn reaches(&self, quick: bool) -> usize {
-        if quick { self.quick_reaches.unwrap_or(1) } else { self.reaches }
-    }
-
-    /// The most reaches that are drawn until enough of them do what they should: in a quick run twice as many as are wanted.
-    pub fn draws(&self, quick: bool) -> u64 {
-        if quick { self.max_draws.min(2 * self.reaches(true) as u64) } else { self.max_draws }
-    }
-}
-
 /// What verdicts on each taxel are learned from, in addition to the training scenes.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -209,13 +174,6 @@ pub struct VerdictSection {
     pub reaches: u64,
     /// Number of reaches with `--quick`; a third, rounded up, if not given.
     pub quick_reaches: Option<u64>,
-}
-
-impl VerdictSection {
-    /// Number of reaches of a full run or a quick one.
-    pub fn reaches(&self, quick: bool) -> u64 {
-        if quick { self.quick_reaches.unwrap_or(self.reaches.div_ceil(3)) } else { self.reaches }
-    }
 }
 
 /// Reaches on which the published controller is compared with the one that maps what it touches.

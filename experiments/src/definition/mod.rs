@@ -123,6 +123,28 @@ impl Experiment {
         Ok(Experiment { name, file, scenes, arm, hash: hasher.finalize().to_hex().to_string() })
     }
 
+    /// The same experiment, small, as quick runs have it. Its hash stays that of the whole experiment.
+    pub fn made_small(mut self) -> Self {
+        let file = &mut self.file;
+        file.recipes.truncate(1);
+        for own in &mut file.training {
+            own.reaches = own.quick_reaches.unwrap_or(own.reaches.div_ceil(3).max(2).min(own.reaches));
+        }
+        file.engineered.iter_mut().for_each(|own| own.max_draws = 1);
+        for own in [&mut file.general, &mut file.outlier].into_iter().flatten() {
+            own.reaches = own.quick_reaches.unwrap_or(1);
+            own.max_draws = own.max_draws.min(2 * own.reaches as u64);
+        }
+        if let Some(own) = &mut file.verdicts {
+            own.reaches = own.quick_reaches.unwrap_or(own.reaches.div_ceil(3));
+            own.auxiliary.clear();
+        }
+        (file.second_outlier, file.controllers) = (None, None);
+        file.settings.clear();
+        file.ablation.clear();
+        self
+    }
+
     /// The scene that the file names by this path.
     ///
     /// # Errors

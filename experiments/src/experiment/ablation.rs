@@ -16,7 +16,7 @@ use crate::{Cell, Session};
 /// The results of the ablation.
 #[derive(Serialize)]
 pub struct AblationResults {
-    /// First without a change, then with each change. Empty for a quick run.
+    /// First without a change, then with each change. Empty if the experiment has none.
     pub ablation: Vec<Ablated>,
 }
 
@@ -122,15 +122,15 @@ impl Ablated {
     }
 }
 
-/// The table without a change, and with each of the experiment's changes. A quick run has too few reaches for it.
+/// The table without a change, and with each of the experiment's changes.
 pub fn run(session: &Session) -> Result<AblationResults, Fault> {
     let experiment = session.experiment;
-    if session.quick || experiment.file.ablation.is_empty() {
+    if experiment.file.ablation.is_empty() {
         return Ok(AblationResults { ablation: Vec::new() });
     }
     let (data, as_is) = (session.once(training::run)?, session.once(table_one::run)?);
     let counted = session.once(training_data::run)?;
-    let reaches = training::reaches(experiment, session.quick);
+    let reaches = training::reaches(experiment);
     let ablation = session.stage("Ablation", || {
         session.kept("ablation", session.seed, || {
             let trials_per_reach = counted.trials_per_reach.clone();
@@ -147,7 +147,7 @@ pub fn run(session: &Session) -> Result<AblationResults, Fault> {
                 };
                 let recipe = experiment.main_recipe_name();
                 let cells = table_one::evaluate(experiment, &trials, &[recipe])?;
-                let trials_per_reach = training_data::per_reach(experiment, &trials, &reaches);
+                let trials_per_reach = training_data::per_reach(experiment, &trials);
                 let cells = cells.into_iter().map(|(cell, _)| cell);
                 rows.push(Ablated::new(experiment, described(*name).0, cells, trials_per_reach));
             }

@@ -109,12 +109,12 @@ pub fn run_one(session: &Session, seed: u64) -> Result<(), Fault> {
 /// The campaign of a seed.
 fn measure(session: &Session, seed: u64) -> Result<OneOfMany, Fault> {
     let experiment = session.experiment;
-    let reaches = training::reaches(experiment, session.quick);
+    let reaches = training::reaches(experiment);
     let campaign = training::campaign(experiment, seed, &reaches, |_| {})?;
     let trials = Trials::of_campaign(experiment, &campaign, session.progress)?;
-    let cells = table_one::evaluate(experiment, &trials, experiment.file.recipes(session.quick))?;
+    let cells = table_one::evaluate(experiment, &trials, &experiment.file.recipes)?;
     Ok(OneOfMany {
-        trials_per_reach: training_data::per_reach(experiment, &trials, &reaches),
+        trials_per_reach: training_data::per_reach(experiment, &trials),
         table_1: cells.into_iter().map(|(cell, _)| cell).collect(),
         classifiers: classifiers::compare(experiment, &trials.taxel)?,
     })

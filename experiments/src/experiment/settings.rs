@@ -77,19 +77,17 @@ fn fold_of(reach: u64, reaches: &[u64], counts: &[u64]) -> Option<usize> {
     (index < count).then_some(usize::from(2 * index >= count))
 }
 
-/// Runs the training scenes at the other settings, and tests the classifiers of each setting at every setting. A quick run
-/// has too few reaches for it.
+/// Runs the training scenes at the other settings, and tests the classifiers of each setting at every setting.
 pub fn run(session: &Session) -> Result<ComparedSettings, Fault> {
     let data = session.once(training::run)?;
     let experiment = session.experiment;
-    let none = experiment.file.settings.is_empty() || experiment.file.setting_classifiers.is_empty();
-    if session.quick || none {
+    if experiment.file.settings.is_empty() || experiment.file.setting_classifiers.is_empty() {
         return Ok(ComparedSettings { splits: Vec::new(), verdict_transfer: Vec::new() });
     }
     let counts: Vec<u64> = experiment.file.training.iter().map(|own| own.setting_reaches()).collect();
     session.stage("Other arms and speeds", || {
         session.kept("splits", session.seed, || {
-            let reaches = training::reaches(experiment, session.quick);
+            let reaches = training::reaches(experiment);
             let mut nominal = FoldedReaches::new();
             for index in 0..data.dataset.episodes().len() {
                 if let Some(fold) = fold_of(index as u64, &reaches, &counts) {

@@ -16,7 +16,7 @@ use crate::{Accuracy, Session};
 /// The table.
 #[derive(Serialize)]
 pub struct TableOne {
-    /// All cells of all recipes; of the first recipe in a quick run.
+    /// All cells of all recipes.
     pub table_1: Vec<Cell>,
     /// Mean absolute difference of the cells from the published ones, by recipe, points.
     pub mean_absolute_difference_points: BTreeMap<String, f64>,
@@ -40,7 +40,7 @@ pub fn run(session: &Session) -> Result<TableOne, Fault> {
     let data = session.once(training::run)?;
     let experiment = session.experiment;
     session.stage("Cross-validation", || {
-        let evaluated = evaluate(experiment, &data.trials, experiment.file.recipes(session.quick))?;
+        let evaluated = evaluate(experiment, &data.trials, &experiment.file.recipes)?;
         let (table_1, evaluations): (Vec<Cell>, Vec<Evaluation>) = evaluated.into_iter().unzip();
         Ok(TableOne {
             mean_absolute_difference_points: mean_difference(&table_1),

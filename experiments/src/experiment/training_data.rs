@@ -56,7 +56,6 @@ pub fn run(session: &Session) -> Result<TrainingSummary, Fault> {
     let data = session.once(training::run)?;
     let (episodes, layout) = (data.dataset.episodes(), data.dataset.layout());
     let frames: usize = episodes.iter().map(|episode| episode.frames).sum();
-    let reaches = training::reaches(session.experiment, session.quick);
     Ok(TrainingSummary {
         reaches: Reaches {
             count: episodes.len(),
@@ -65,15 +64,15 @@ pub fn run(session: &Session) -> Result<TrainingSummary, Fault> {
             ends: Ends::of(episodes),
             audit: audit::worst(episodes, layout),
         },
-        trials_per_reach: per_reach(session.experiment, &data.trials, &reaches),
+        trials_per_reach: per_reach(session.experiment, &data.trials),
     })
 }
 
-/// Trials per reach, for a campaign with these numbers of reaches of each training scene.
-pub fn per_reach(experiment: &Experiment, trials: &Trials, reaches: &[u64]) -> Vec<TrialsPerReach> {
+/// Trials per reach of a campaign of the training scenes.
+pub fn per_reach(experiment: &Experiment, trials: &Trials) -> Vec<TrialsPerReach> {
     let row = |by: Unit, trials: &[Trial], label: &str| {
-        let scenes = experiment.file.training.iter().zip(reaches);
-        let reaches: u64 = scenes.filter(|(own, _)| own.label == label).map(|(_, reaches)| reaches).sum();
+        let scenes = experiment.file.training.iter().filter(|own| own.label == label);
+        let reaches: u64 = scenes.map(|own| own.reaches).sum();
         let own = || trials.iter().filter(|trial| trial.category.as_deref() == Some(label));
         TrialsPerReach {
             by,

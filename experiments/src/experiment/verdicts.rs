@@ -103,8 +103,7 @@ pub fn run(session: &Session) -> Result<VerdictFigures, Fault> {
         for fold in held_out {
             all.add(fold?);
         }
-        let auxiliary = if session.quick { &[][..] } else { &section.auxiliary };
-        for scene in auxiliary {
+        for scene in &section.auxiliary {
             for recording in &drawn(session, section, scene)? {
                 examples.add_auxiliary(recording)?;
             }
@@ -117,7 +116,7 @@ pub fn run(session: &Session) -> Result<VerdictFigures, Fault> {
         let known: Vec<(String, TouchEvaluation)> = known.map(judge).collect::<Result<_, _>>()?;
         let categories = model.categories().to_vec();
         let unknown = |found: &Option<Found>| -> Result<_, Fault> {
-            let found = found.as_ref().filter(|_| !auxiliary.is_empty());
+            let found = found.as_ref().filter(|_| !section.auxiliary.is_empty());
             let Some((_, mut own)) = found.map(judge).transpose()? else { return Ok(None) };
             known.iter().for_each(|(_, known)| own.add(known.clone()));
             Ok(Some(UnknownFigures::of(&own.objects, &categories)))
@@ -161,7 +160,7 @@ fn recordings(session: &Session, section: &VerdictSection) -> Result<Vec<Recordi
 /// Reaches of a scene, as many as the section asks for.
 fn drawn(session: &Session, section: &VerdictSection, scene: &str) -> Result<Vec<Recording>, Fault> {
     let plan = reaches::plan(session.experiment, scene, session.seed)?;
-    let jobs = (0..section.reaches(session.quick)).map(|index| Job { plan: 0, reach_index: FIRST_INDEX + index });
+    let jobs = (0..section.reaches).map(|index| Job { plan: 0, reach_index: FIRST_INDEX + index });
     let jobs: Vec<Job> = jobs.collect();
     each_reach(&[plan], &jobs, 0, session.progress, |_, own| Ok(own))
 }

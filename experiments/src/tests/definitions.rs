@@ -19,8 +19,8 @@ fn the_file_that_ships_is_the_papers() {
     assert_eq!(published.accuracy.len(), TABLE_ONE_PAPER.len());
     assert_eq!(published.trials_per_reach(Unit::Component, "leaf"), Some(28.8));
     assert_eq!(published.trials_per_reach(Unit::Taxel, "trunk"), Some(23.28));
-    assert_eq!(training::reaches(&paper, false), [10, 25]);
-    assert_eq!(training::reaches(&paper, true), [4, 8]);
+    assert_eq!(training::reaches(&paper), [10, 25]);
+    assert_eq!(training::reaches(&paper.clone().made_small()), [4, 8]);
     assert_eq!(paper.trial_options(), TrialOptions::paper());
     assert_eq!(paper.labels(), ["leaf", "trunk"]);
     assert_eq!(paper.file.engineered.len(), 10);
@@ -53,6 +53,41 @@ fn written(text: &str) -> (tempfile::TempDir, PathBuf) {
 fn error(text: &str) -> InputError {
     let (_folder, path) = written(text);
     Experiment::load(&path).unwrap_err()
+}
+
+/// Tests that a quick run has a third of the reaches of a training scene, rounded up, and at least two where there are as
+/// many.
+#[test]
+fn a_quick_run_has_two_reaches_of_each_scene() {
+    let (_folder, path) = written(SMALL);
+    let experiment = Experiment::load(&path).unwrap();
+    for (reaches, quick) in [(1, 1), (2, 2), (4, 2), (7, 3), (30, 10)] {
+        let mut own = experiment.clone();
+        own.file.training[0].reaches = reaches;
+        assert_eq!(own.made_small().file.training[0].reaches, quick, "{reaches}");
+    }
+}
+
+/// Tests what quick runs leave out of the paper's experiment: they have the hash of the whole one, and of its parts one recipe,
+/// one reach of each test scene, and nothing of unknown objects, controllers, settings and ablation.
+#[test]
+fn a_quick_run_leaves_out_what_needs_more_reaches() {
+    let whole = Experiment::paper().unwrap();
+    let small = whole.clone().made_small();
+    assert_eq!((&small.hash, &small.name), (&whole.hash, &whole.name));
+    let (whole, small) = (&whole.file, &small.file);
+    assert_eq!(small.recipes, whole.recipes[..1]);
+    assert!(small.engineered.iter().all(|own| own.max_draws == 1) && small.engineered.len() == whole.engineered.len());
+    for own in [&small.general, &small.outlier] {
+        let own = own.as_ref().unwrap();
+        assert_eq!((own.reaches, own.max_draws), (1, 2));
+    }
+    let verdicts = small.verdicts.as_ref().unwrap();
+    assert!(verdicts.reaches == 4 && verdicts.auxiliary.is_empty());
+    assert!(whole.second_outlier.is_some() && small.second_outlier.is_none());
+    assert!(whole.controllers.is_some() && small.controllers.is_none());
+    assert!(!whole.settings.is_empty() && small.settings.is_empty());
+    assert!(!whole.ablation.is_empty() && small.ablation.is_empty());
 }
 
 /// Tests that each fault of an experiment file is named with its line, its field, what was found and what is allowed.

@@ -23,7 +23,7 @@ fn trials_that_nothing_touched_are_counted() {
         component: Vec::new(),
         taxel: vec![trial("leaf", &[false, true]), trial("leaf", &[false, false]), trial("trunk", &[false])],
     };
-    let rows = per_reach(&Experiment::paper().unwrap(), &trials, &[1, 1]);
+    let rows = per_reach(&Experiment::paper().unwrap(), &trials);
     let counts: Vec<(usize, usize)> = rows.iter().map(|row| (row.trials, row.untouched)).collect();
     assert_eq!(counts, [(0, 0), (0, 0), (2, 1), (1, 1)]);
 }

@@ -15,7 +15,7 @@ pub fn add(report: &mut Report, outcome: &TableOne) {
     report.section("table_one", "cross-validation");
     let definition = &report.results.definition;
     let best = if definition.labels().len() == 2 { "higher" } else { "highest" };
-    let recipes = recipes_in_words(definition.file.recipes(report.results.quick));
+    let recipes = recipes_in_words(&definition.file.recipes);
     report.page.paragraph(&format!(
         "Two folds by position, equal priors; the model with the {best} score wins. {recipes} Intervals are 95 %, from \
          resampling whole reaches, because the trials of one reach depend on each other."
