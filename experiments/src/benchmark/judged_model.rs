@@ -5,13 +5,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use underbrush_classifier::Model;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::{Decision, Verdict};
 use underbrush_classifier::evaluate::NOTHING;
 use underbrush_classifier::online::{OnlineClassifier, OnlineError, OnlineOptions};
-use underbrush_classifier::online_model::OnlineJudge;
-use underbrush_classifier::touch::{Touch, TouchClassifier, TouchModel};
+use underbrush_classifier::online_model::{OnlineJudge, OnlineModel};
+use underbrush_classifier::touch::Touch;
 use underbrush_classifier::trial::PatchImage;
 use underbrush_recording::disk::file_blake3;
 use underbrush_recording::fault::Fault;
@@ -29,13 +28,7 @@ pub struct JudgedModel {
     pub blake3: String,
     /// Name of its classifier.
     pub classifier: String,
-    kind: Kind,
-    categories: Vec<String>,
-}
-
-enum Kind {
-    Touch(Arc<TouchModel>),
-    OfTrials(Box<Model>),
+    model: OnlineModel,
 }
 
 /// What a model says in a reach.
@@ -55,19 +48,21 @@ impl JudgedModel {
     pub fn load(path: &Path) -> Result<Self, Fault> {
         let model = any_model::load(path)?;
         let blake3 = file_blake3(path)?;
-        let (classifier, categories, kind) = match model {
+        let (classifier, model) = match model {
             AnyModel::Touch(model) => {
                 if let Some(patch) = model.options().patch.as_deref().filter(|patch| *patch != FOREARM) {
                     let remedy = "fit it to that patch";
                     return Err(InputError::new(path, "options.patch", patch, FOREARM, remedy).into());
                 }
-                ("touch", model.categories().to_vec(), Kind::Touch(Arc::from(model)))
+                ("touch", OnlineModel::Touch(Arc::from(model)))
             }
             AnyModel::OfTrials(model) => {
-                let categories = model.classifier.categories();
-                (model.classifier.name(), categories, Kind::OfTrials(Box::new(model)))
+                let decision = model.decision.clone().unwrap_or(Decision::argmax());
+                let options = OnlineOptions::new(Some(FOREARM.to_owned()), Some(THRESHOLD_N), decision);
+                (model.classifier.name(), OnlineModel::OfTrials(Box::new(model), options))
             }
         };
+        let categories = model.categories();
         let needed = [Category::LEAF, Category::TRUNK].map(Category::name);
         if let Some(missing) = needed.iter().find(|name| !categories.iter().any(|own| own == *name)) {
             let found = format!("no {missing}, only {}", categories.join(", "));
@@ -78,14 +73,13 @@ impl JudgedModel {
             name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             blake3,
             classifier: classifier.to_owned(),
-            kind,
-            categories,
+            model,
         })
     }
 
     /// Whether it can answer that nothing touches a taxel.
     pub(super) fn knows_nothing(&self) -> bool {
-        matches!(self.kind, Kind::Touch(_)) || self.categories.iter().any(|own| own == NOTHING)
+        matches!(self.model, OnlineModel::Touch(_)) || self.model.categories().iter().any(|own| own == NOTHING)
     }
 
     /// What it says in a reach. It is shown what a robot knows and no ground truth.
@@ -107,7 +101,7 @@ impl JudgedModel {
         let category = |object: u16| recording.objects.get(usize::from(object)).map(|own| own.category);
         for (index, frame) in recording.frames.iter().enumerate() {
             answers.iter_mut().for_each(|own| own.fill(Class::Nothing));
-            self.answer(&mut judging, &frame.sensed(), &images, &mut answers)?;
+            Self::answer(&mut judging, &frame.sensed(), &images, &mut answers)?;
             for (place, image) in images.iter_mut().enumerate() {
                 image.read(frame)?;
                 for (taxel, answer) in answers[place].iter().enumerate().filter(|own| image.is_in_contact(own.0)) {
@@ -131,34 +125,27 @@ impl JudgedModel {
     /// model judges both patches, and a classifier of trials follows each of them on its own.
     fn begin(&self, layout: &SkinLayout) -> Result<(Vec<OnlineJudge>, Standing, bool), Fault> {
         let flipper = layout.patch_index(FLIPPER);
-        match &self.kind {
-            Kind::Touch(model) => {
+        let mut judging = vec![self.model.begin(layout)?];
+        match &self.model {
+            OnlineModel::Touch(model) => {
                 let judged = model.options().judged_patches(layout);
-                let classifier = OnlineJudge::Touch(Box::new(TouchClassifier::new(Arc::clone(model), layout)?));
-                Ok((vec![classifier], Standing::Latest, flipper.is_some_and(|own| judged.contains(&own))))
+                Ok((judging, Standing::Latest, flipper.is_some_and(|own| judged.contains(&own))))
             }
-            Kind::OfTrials(model) => {
-                let decision = model.decision.clone().unwrap_or(Decision::argmax());
-                let begin = |patch: &str| -> Result<OnlineJudge, OnlineError> {
-                    let options = OnlineOptions::new(Some(patch.to_owned()), Some(THRESHOLD_N), decision.clone());
-                    let online = OnlineClassifier::new(model.classifier.as_ref(), layout, &options)?;
-                    Ok(OnlineJudge::OfTrials(Box::new(online)))
-                };
-                let mut online = vec![begin(FOREARM)?];
-                match flipper.map(|_| begin(FLIPPER)) {
+            OnlineModel::OfTrials(model, options) => {
+                let options = OnlineOptions { patch: Some(FLIPPER.to_owned()), ..options.clone() };
+                match flipper.map(|_| OnlineClassifier::new(model.classifier.as_ref(), layout, &options)) {
                     // Its taxels form no grid, so there are no contact regions on it.
                     None | Some(Err(OnlineError::NoRegion { .. })) => {}
-                    Some(own) => online.push(own?),
+                    Some(own) => judging.push(OnlineJudge::OfTrials(Box::new(own?))),
                 }
-                let flipper = online.len() == 2;
-                Ok((online, Standing::MostOfTheTime, flipper))
+                let flipper = judging.len() == 2;
+                Ok((judging, Standing::MostOfTheTime, flipper))
             }
         }
     }
 
     /// Shows the model the next frame, and writes its answers for the taxels of each patch.
     fn answer(
-        &self,
         judging: &mut [OnlineJudge],
         sensed: &Frame,
         images: &[PatchImage],
@@ -168,12 +155,13 @@ impl JudgedModel {
             match judge {
                 OnlineJudge::Touch(classifier) => {
                     classifier.update(sensed)?;
+                    let categories = classifier.model().categories();
                     for own in classifier.taxels() {
                         let image = images.iter().position(|image| image.patch_index() == own.patch);
                         let Some(image) = image else { continue };
                         answers[image][own.taxel] = match own.touch {
                             Touch::Nothing => Class::Nothing,
-                            Touch::Category(index) => class_of(&self.categories[index]),
+                            Touch::Category(index) => class_of(&categories[index]),
                             Touch::Uncertain => Class::Uncertain,
                             Touch::Unknown => Class::Unknown,
                         };
