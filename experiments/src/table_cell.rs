@@ -8,7 +8,7 @@ use underbrush_classifier::feature::FeatureSet;
 use underbrush_recording::distinct;
 
 use crate::accuracy::Accuracy;
-use crate::definition::{OrderingName, Unit};
+use crate::definition::{Experiment, OrderingName, Unit};
 
 /// A cell of the table, of one campaign or of many.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -76,31 +76,38 @@ pub struct Ordering {
 }
 
 /// A key with its accuracy, per cent.
-pub type KeyedAccuracy<'a> = (&'a CellKey, f64);
+type KeyedAccuracy<'a> = (&'a CellKey, f64);
 
-/// Mean absolute difference from the published figures, by recipe. A cell is given as (recipe, accuracy, published);
-/// cells without a published figure do not count.
+/// Mean absolute difference of the cells from the published ones, by recipe, points. Cells without a published figure do not
+/// count.
 ///
 /// ```
+/// use underbrush_classifier::FeatureSet;
 /// use underbrush_experiments::table_cell::mean_difference;
+/// use underbrush_experiments::{Cell, CellKey, Unit};
 ///
-/// let cells = [("authors", 80.0, Some(82.0)), ("authors", 91.0, Some(90.0)), ("authors", 70.0, None)];
-/// assert_eq!(mean_difference(cells.into_iter())["authors"], 1.5);
+/// let cells = [(80.0, Some(82.0)), (91.0, Some(90.0)), (70.0, None)].map(|(figures, paper)| {
+///     let key = CellKey { by: Unit::Taxel, features: FeatureSet::FORCE, states: 10, recipe: "authors".into() };
+///     Cell { key, figures, paper }
+/// });
+/// assert_eq!(mean_difference(&cells, |accuracy| *accuracy)["authors"], 1.5);
 /// ```
-pub fn mean_difference<'a>(cells: impl Iterator<Item = (&'a str, f64, Option<f64>)>) -> BTreeMap<String, f64> {
+pub fn mean_difference<F>(cells: &[Cell<F>], accuracy: fn(&F) -> f64) -> BTreeMap<String, f64> {
     let mut sums: BTreeMap<String, (f64, usize)> = BTreeMap::new();
-    for (recipe, accuracy, published) in cells {
-        let Some(published) = published else { continue };
-        let (sum, count) = sums.entry(recipe.to_owned()).or_default();
-        *sum += (accuracy - published).abs();
+    for cell in cells {
+        let Some(published) = cell.paper else { continue };
+        let (sum, count) = sums.entry(cell.key.recipe.clone()).or_default();
+        *sum += (accuracy(&cell.figures) - published).abs();
         *count += 1;
     }
     let mean = |(recipe, (sum, count)): (String, (f64, usize))| (recipe, sum / count as f64);
     sums.into_iter().map(mean).collect()
 }
 
-/// Checks statements on the cells of one or more recipes. A pair with a missing cell does not count.
-pub fn orderings(statements: &[OrderingName], cells: &[KeyedAccuracy]) -> Vec<Ordering> {
+/// Checks the published statements on the cells of one or more recipes. A pair with a missing cell does not count.
+pub fn orderings<F>(experiment: &Experiment, cells: &[Cell<F>], accuracy: fn(&F) -> f64) -> Vec<Ordering> {
+    let statements = experiment.published().map_or(&[][..], |own| &own.orderings);
+    let cells: Vec<KeyedAccuracy> = cells.iter().map(|cell| (&cell.key, accuracy(&cell.figures))).collect();
     let recipes = distinct(cells.iter().map(|(key, _)| &key.recipe));
     let check = |recipe: &String, name: OrderingName| {
         let own: Vec<&KeyedAccuracy> = cells.iter().filter(|(key, _)| key.recipe == *recipe).collect();

@@ -10,6 +10,7 @@ use super::table_one;
 use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures};
 use crate::definition::{AblationName, Experiment, Unit};
+use crate::table_cell::{mean_difference, orderings};
 use crate::training::{self, Trials};
 use crate::{Cell, Session};
 
@@ -106,10 +107,10 @@ impl Ablated {
             let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
             (!own.is_empty()).then(|| Figures::over(&own, Accuracy::figures, mean))
         };
-        let orderings = table_one::orderings(experiment, &table_1);
+        let orderings = orderings(experiment, &table_1, |own| own.accuracy);
         Ablated {
             change: change.into(),
-            mean_absolute_difference_points: table_one::mean_difference(&table_1).remove(recipe),
+            mean_absolute_difference_points: mean_difference(&table_1, |own| own.accuracy).remove(recipe),
             orderings_holding: orderings.iter().filter(|ordering| ordering.holds).count(),
             orderings: orderings.len(),
             pairs_holding: orderings.iter().map(|ordering| ordering.pairs_holding).sum(),

@@ -10,7 +10,7 @@ use super::classifiers::{self, Compared};
 use super::table_one;
 use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures, Part, Spread};
-use crate::table_cell::{self, Cell, Ordering, unit_name};
+use crate::table_cell::{Cell, Ordering, mean_difference, orderings, unit_name};
 use crate::training::{self, Trials};
 use crate::{Experiment, Session, Unit};
 
@@ -153,15 +153,10 @@ impl Campaigns {
             })?;
             classifiers.push(Compared { classifier: classifier.clone(), figures: CampaignFigures::of(&own) });
         }
-        let mean = |cell: &Cell<CampaignFigures>| cell.figures.all.accuracy.mean;
-        let keyed: Vec<_> = table_1.iter().map(|cell| (&cell.key, mean(cell))).collect();
-        let statements = experiment.published().map_or(&[][..], |own| &own.orderings);
         Ok(Some(Campaigns {
             seeds: campaigns.iter().map(|(seed, _)| *seed).collect(),
-            mean_absolute_difference_points: table_cell::mean_difference(
-                table_1.iter().map(|cell| (cell.key.recipe.as_str(), mean(cell), cell.paper)),
-            ),
-            orderings: table_cell::orderings(statements, &keyed),
+            mean_absolute_difference_points: mean_difference(&table_1, |own| own.all.accuracy.mean),
+            orderings: orderings(experiment, &table_1, |own| own.all.accuracy.mean),
             trials_per_reach,
             classifiers,
             table_1,

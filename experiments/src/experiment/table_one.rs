@@ -9,7 +9,7 @@ use underbrush_classifier::{Decision, Evaluation, FeatureSet, Folds, Recipe, cro
 use underbrush_recording::{Fault, Trial};
 
 use crate::definition::{Experiment, RecipeName, Unit};
-use crate::table_cell::{self, Cell, CellKey, Ordering};
+use crate::table_cell::{Cell, CellKey, Ordering, mean_difference, orderings};
 use crate::training::{self, Trials};
 use crate::{Accuracy, Session};
 
@@ -43,8 +43,8 @@ pub fn run(session: &Session) -> Result<TableOne, Fault> {
         let evaluated = evaluate(experiment, &data.trials, &experiment.file.recipes)?;
         let (table_1, evaluations): (Vec<Cell>, Vec<Evaluation>) = evaluated.into_iter().unzip();
         Ok(TableOne {
-            mean_absolute_difference_points: mean_difference(&table_1),
-            orderings: orderings(experiment, &table_1),
+            mean_absolute_difference_points: mean_difference(&table_1, |own| own.accuracy),
+            orderings: orderings(experiment, &table_1, |own| own.accuracy),
             table_1,
             evaluations,
         })
@@ -81,17 +81,4 @@ pub fn evaluate(
     };
     let found: Vec<Result<(Cell, Evaluation), Fault>> = cases.into_par_iter().map(case).collect();
     found.into_iter().collect()
-}
-
-/// Mean absolute difference of the cells from the published ones, by recipe, points.
-pub fn mean_difference(cells: &[Cell]) -> BTreeMap<String, f64> {
-    let cells = cells.iter();
-    table_cell::mean_difference(cells.map(|cell| (cell.key.recipe.as_str(), cell.figures.accuracy, cell.paper)))
-}
-
-/// The published statements on these cells.
-pub fn orderings(experiment: &Experiment, cells: &[Cell]) -> Vec<Ordering> {
-    let statements = experiment.published().map_or(&[][..], |own| &own.orderings);
-    let keyed: Vec<_> = cells.iter().map(|cell| (&cell.key, cell.figures.accuracy)).collect();
-    table_cell::orderings(statements, &keyed)
 }

@@ -6,13 +6,20 @@ use crate::definition::{Experiment, OrderingName, Unit};
 use crate::experiment::ablation::Ablated;
 use crate::experiment::campaigns::{Campaigns, OneOfMany};
 use crate::experiment::classifiers::Compared;
-use crate::table_cell::{self, Cell, CellKey};
+use crate::table_cell::{Cell, CellKey, orderings};
 
 const ORDERINGS: [OrderingName; 3] =
     [OrderingName::TaxelsOverComponents, OrderingName::ForceOverForceAndMotion, OrderingName::MoreStates];
 
 fn of(campaigns: &[(u64, OneOfMany)]) -> Result<Option<Campaigns>, underbrush_recording::fault::Fault> {
     Campaigns::of(&Experiment::paper().unwrap(), campaigns)
+}
+
+/// The paper's experiment with these published statements.
+fn with_orderings(orderings: &[OrderingName]) -> Experiment {
+    let mut experiment = Experiment::paper().unwrap();
+    experiment.file.published.as_mut().unwrap().orderings = orderings.to_vec();
+    experiment
 }
 
 /// Figures around an accuracy, per cent.
@@ -54,15 +61,13 @@ fn campaign(table_1: Vec<Cell>, classifiers: &[(&str, f64)]) -> OneOfMany {
 fn orderings_are_found_as_they_are() {
     let counts = |sign: f64, without_states: usize| -> Vec<(bool, usize, usize)> {
         let cells = TABLE_ONE_PAPER.into_iter().filter(|own| own.2 != without_states);
-        let keyed: Vec<(CellKey, f64)> = cells
+        let cells: Vec<Cell<f64>> = cells
             .map(|(by, features, states, paper)| {
-                let recipe = "authors".to_owned();
-                let key = CellKey { by, features, states, recipe };
-                (key, sign * paper)
+                let key = CellKey { by, features, states, recipe: "authors".into() };
+                Cell { key, figures: sign * paper, paper: None }
             })
             .collect();
-        let keyed: Vec<(&CellKey, f64)> = keyed.iter().map(|(key, accuracy)| (key, *accuracy)).collect();
-        let found = table_cell::orderings(&ORDERINGS, &keyed);
+        let found = orderings(&with_orderings(&ORDERINGS), &cells, |accuracy| *accuracy);
         found.iter().map(|own| (own.holds, own.pairs_holding, own.pairs)).collect()
     };
     assert_eq!(counts(1.0, 0), [(true, 6, 6), (true, 6, 6), (true, 8, 8)]);
@@ -80,9 +85,10 @@ fn the_statement_on_states_names_them() {
             states: *states,
             recipe: "authors".into(),
         };
-        let keys: Vec<CellKey> = states.iter().map(key).collect();
-        let keyed: Vec<(&CellKey, f64)> = keys.iter().map(|key| (key, 50.0)).collect();
-        table_cell::orderings(&[OrderingName::MoreStates], &keyed).remove(0).statement
+        let cells: Vec<Cell<f64>> =
+            states.iter().map(|states| Cell { key: key(states), figures: 50.0, paper: None }).collect();
+        let found = orderings(&with_orderings(&[OrderingName::MoreStates]), &cells, |accuracy| *accuracy);
+        found[0].statement.clone()
     };
     assert_eq!(statement(&[5, 10, 20]), "10 and 20 states are better than 5");
     assert_eq!(statement(&[6, 3]), "6 states are better than 3");
