@@ -6,6 +6,7 @@ use underbrush_classifier::trial::{ContactTrial, Labels, TrialError, TrialOption
 use underbrush_recording::{Dataset, Fault, Recording, Trial};
 use underbrush_sim::scene::SceneFile;
 
+use crate::dataset::jobs_of;
 use crate::{Campaign, Experiment, Progress, Session, contact_trials};
 
 /// Trials of all reaches of a campaign.
@@ -58,19 +59,6 @@ pub fn run(session: &Session) -> Result<TrainingData, Fault> {
 /// Number of reaches of each training scene.
 pub fn reaches(experiment: &Experiment) -> Vec<u64> {
     experiment.file.training.iter().map(|training| training.reaches).collect()
-}
-
-/// The index of the training scene of the reach at a position of a campaign with these numbers of reaches of each scene,
-/// and the index of the reach in its scene.
-pub fn scene_of(place: u64, reaches: &[u64]) -> Option<(usize, u64)> {
-    let mut index = place;
-    for (scene, reaches) in reaches.iter().enumerate() {
-        if index < *reaches {
-            return Some((scene, index));
-        }
-        index -= reaches;
-    }
-    None
 }
 
 /// A campaign with these numbers of reaches of each training scene, after `change` has been applied to each scene. A
@@ -149,9 +137,8 @@ impl Trials {
         let labels: Vec<&str> = experiment.file.training.iter().map(|own| own.label.as_str()).collect();
         let is_labelled = options.labels == Labels::Environment;
         let mut trials = Trials::default();
-        for (place, own) in parts.into_iter().enumerate() {
-            let scene = scene_of(place as u64, reaches).filter(|_| is_labelled);
-            trials.append(place, scene.map(|(scene, _)| labels[scene]), own);
+        for ((place, own), job) in parts.into_iter().enumerate().zip(jobs_of(reaches.iter().copied())) {
+            trials.append(place, is_labelled.then(|| labels[job.plan]), own);
         }
         trials
     }

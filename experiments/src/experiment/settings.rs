@@ -9,7 +9,9 @@ use underbrush_classifier::decision::Decision;
 use underbrush_classifier::estimator::{Estimator, is_trained};
 use underbrush_classifier::evaluate::{Evaluation, evaluate};
 use underbrush_recording::{Fault, Trial, distinct};
+use underbrush_sim::campaign::Job;
 
+use crate::dataset::jobs_of;
 use crate::training::{self, Trials};
 use crate::verdict_transfer::{FoldedReaches, VerdictTransfer};
 use crate::{Accuracy, Experiment, Session};
@@ -59,9 +61,10 @@ impl Folded {
     /// Takes the first `counts` reaches of each scene from a campaign with `reaches` reaches of each scene, and puts
     /// half of them into each fold. The reaches are the same at every setting: they have the same clutter and goals.
     pub fn new(name: &str, taxel_trials: &[Trial], reaches: &[u64], counts: &[u64]) -> Self {
+        let own = folds(reaches, counts);
         let mut folds = [Vec::new(), Vec::new()];
         for trial in taxel_trials {
-            if let Some(fold) = trial.reach.and_then(|reach| fold_of(reach, reaches, counts)) {
+            if let Some(fold) = trial.reach.and_then(|reach| *own.get(reach as usize)?) {
                 folds[fold].push(trial.clone());
             }
         }
@@ -69,12 +72,13 @@ impl Folded {
     }
 }
 
-/// The fold of a reach in a campaign with `reaches` reaches of each scene, of which the first `counts` are used; `None`
+/// The folds of the reaches of a campaign with `reaches` reaches of each scene, of which the first `counts` are used; `None`
 /// for the others.
-fn fold_of(reach: u64, reaches: &[u64], counts: &[u64]) -> Option<usize> {
-    let (scene, index) = training::scene_of(reach, reaches)?;
-    let count = counts[scene];
-    (index < count).then_some(usize::from(2 * index >= count))
+fn folds(reaches: &[u64], counts: &[u64]) -> Vec<Option<usize>> {
+    let fold = |Job { plan, reach_index }: Job| {
+        (reach_index < counts[plan]).then_some(usize::from(2 * reach_index >= counts[plan]))
+    };
+    jobs_of(reaches.iter().copied()).map(fold).collect()
 }
 
 /// Runs the training scenes at the other settings, and tests the classifiers of each setting at every setting.
@@ -89,8 +93,8 @@ pub fn run(session: &Session) -> Result<ComparedSettings, Fault> {
         session.kept("splits", session.seed, || {
             let reaches = training::reaches(experiment);
             let mut nominal = FoldedReaches::new();
-            for index in 0..data.dataset.episodes().len() {
-                if let Some(fold) = fold_of(index as u64, &reaches, &counts) {
+            for (index, fold) in folds(&reaches, &counts).into_iter().enumerate() {
+                if let Some(fold) = fold {
                     nominal.push((fold, data.dataset.read_reach(index)?));
                 }
             }
@@ -103,8 +107,8 @@ pub fn run(session: &Session) -> Result<ComparedSettings, Fault> {
                 let trials = Trials::of_recordings(experiment, &counts, &recordings)?;
                 settings.push(Folded::new(&setting.name, &trials.taxel, &counts, &counts));
                 if experiment.file.verdicts.is_some() {
-                    let here = (0..).zip(recordings);
-                    let here = here.filter_map(|(reach, own)| Some((fold_of(reach, &counts, &counts)?, own))).collect();
+                    let here = folds(&counts, &counts).into_iter().zip(recordings);
+                    let here = here.filter_map(|(fold, own)| Some((fold?, own))).collect();
                     let options = experiment.touch_options();
                     verdict_transfer.push(VerdictTransfer::of(&setting.name, &options, &here, &nominal)?);
                 }
