@@ -217,7 +217,8 @@ impl Campaign {
     fn plans(&self) -> Result<Vec<ReachPlan>, Fault> {
         let controller = self.controller;
         let plan = |(scene, _): &(Scene, u64)| {
-            let plan = reach_plan(scene.clone(), self.arms.get(&scene.name), controller, self.seed)?;
+            let arm = self.arms.get(&scene.name).cloned();
+            let plan = ReachPlan::with_arm(scene.clone(), arm, controller, self.seed)?;
             let plan = match self.own_controller.clone() {
                 Some(make) => plan.with_controller(move |arm| make(arm)),
                 None => plan,
@@ -350,19 +351,6 @@ struct ControllerParameters<'a> {
     rules: &'a ReachRules,
     #[serde(skip_serializing_if = "Option::is_none")]
     verdicts: Option<VerdictParameters<'a>>,
-}
-
-/// The plan of the reaches of a scene, with an arm that replaces the scene's if one is given.
-pub fn reach_plan(
-    scene: Scene,
-    arm: Option<&Arm>,
-    controller: Option<ControllerKind>,
-    seed: u64,
-) -> Result<ReachPlan, InputError> {
-    match arm {
-        Some(arm) => ReachPlan::with_arm(scene, arm.clone(), controller, seed),
-        None => ReachPlan::new(scene, controller, seed),
-    }
 }
 
 /// The jobs of plans with these numbers of reaches, plan by plan and reach by reach.

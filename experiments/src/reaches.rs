@@ -11,7 +11,6 @@ use underbrush_recording::disk::{DiskError, read_recording, write_recording};
 use underbrush_recording::{Category, Fault, Recording};
 use underbrush_sim::reach::ReachPlan;
 
-use crate::dataset::reach_plan;
 use crate::run_folder::Plan;
 use crate::{Experiment, Progress, Session, files, result_cache};
 
@@ -139,7 +138,7 @@ impl Search {
 /// The plan of the reaches of a scene, by its path in the experiment file.
 pub fn plan(experiment: &Experiment, source: &str, seed: u64) -> Result<ReachPlan, Fault> {
     let scene = experiment.scene(source)?.clone();
-    Ok(reach_plan(scene, experiment.arm.as_ref(), experiment.file.controller, seed)?)
+    Ok(ReachPlan::with_arm(scene, experiment.arm.clone(), experiment.file.controller, seed)?)
 }
 
 /// Draws all test reaches, scenes in parallel.

@@ -87,7 +87,7 @@ fn arms(dataset: &Dataset) -> Result<BTreeMap<String, Arm>, InputError> {
     let arm = |scene: &underbrush_recording::disk::SceneText| {
         let files = provenance.arms.get(scene.arm).map(|arm| arm.files.as_slice()).unwrap_or_default();
         let arm = stored_arm(files)?;
-        let plan = ReachPlan::with_arm(Scene::parse(&scene.file.name, scene.file.text.clone())?, arm, None, 0)?;
+        let plan = ReachPlan::with_arm(Scene::parse(&scene.file.name, scene.file.text.clone())?, Some(arm), None, 0)?;
         Ok((scene.name.clone(), plan.arm))
     };
     provenance.scenes.iter().map(arm).collect()

@@ -10,10 +10,7 @@ use crate::progress::{Counter, Silent};
 fn drawn(path: &str) -> (ReachPlan, String) {
     let scene = frozen::scene(path).unwrap();
     let arm = frozen::arms(std::slice::from_ref(&scene)).unwrap().remove(&scene.name);
-    let plan = match arm {
-        Some(arm) => ReachPlan::with_arm(scene, arm, None, 1).unwrap(),
-        None => ReachPlan::new(scene, None, 1).unwrap(),
-    };
+    let plan = ReachPlan::with_arm(scene, arm, None, 1).unwrap();
     let (clutter, mut text) = (plan.draw(0).unwrap(), String::new());
     for record in clutter.records() {
         // Rounded, so that the last digits of a mathematical library do not matter.

@@ -109,8 +109,8 @@ impl Experiment {
             Some(arm) => vec![arm.clone()],
             None => arms_of(&scenes)?,
         };
-        let is_cody = |scene: &Scene| scene.file.arm == "cody";
-        let needs_cody = file.trials.patch.is_some() && arm.is_none() && scenes.values().any(is_cody);
+        let ships = |scene: &Scene| scene.arm_path().is_none();
+        let needs_cody = file.trials.patch.is_some() && arm.is_none() && scenes.values().any(ships);
         let cody = needs_cody.then(Arm::cody).transpose()?;
         check_patch(&file, named_arms.iter().chain(&cody), &source)?;
         let mut hasher = blake3::Hasher::new();
@@ -218,8 +218,7 @@ fn scene_names(file: &ExperimentFile) -> Vec<(&str, &'static str)> {
 
 /// The arms that scenes name by file, each once.
 fn arms_of(scenes: &BTreeMap<String, Scene>) -> Result<Vec<Arm>, InputError> {
-    let named = scenes.values().filter(|scene| scene.file.arm != "cody");
-    let paths = named.map(|scene| scene.path.parent().unwrap_or(Path::new("")).join(&scene.file.arm));
-    let paths: BTreeSet<PathBuf> = paths.collect();
-    paths.into_iter().map(Arm::load).collect()
+    let by_path: BTreeMap<PathBuf, &Scene> =
+        scenes.values().filter_map(|scene| Some((scene.arm_path()?, scene))).collect();
+    by_path.into_values().map(Scene::load_arm).collect()
 }

@@ -7,7 +7,7 @@ use underbrush_sim::scene::ProgressRule;
 use underbrush_sim::{ControllerKind, ReachPlan};
 
 use crate::benchmark::Reach;
-use crate::dataset::{each_reach, reach_plan};
+use crate::dataset::each_reach;
 use crate::resampled::Estimate;
 use crate::{Session, VerdictControl};
 
@@ -50,7 +50,7 @@ pub fn run(session: &Session) -> Result<ComparedControllers, Fault> {
     let plan = |kind, rule: Option<ProgressRule>| -> Result<ReachPlan, Fault> {
         let mut scene = session.experiment.scene(&section.scene)?.clone();
         scene.file.goals.progress = rule.or(scene.file.goals.progress);
-        Ok(reach_plan(scene, session.experiment.arm.as_ref(), Some(kind), session.seed)?)
+        Ok(ReachPlan::with_arm(scene, session.experiment.arm.clone(), Some(kind), session.seed)?)
     };
     session.stage("Controllers", || {
         session.kept("controllers", session.seed, || {

@@ -214,11 +214,19 @@ fn nothing_that_names_a_result_is_given_twice() {
     Experiment::load(&path).unwrap();
 }
 
-/// Tests that a scene that does not exist is an error that names the scene file.
+/// Tests that a scene that does not exist is an error that names the scene file, and that a missing arm is one that names the
+/// arm's file and the scene.
 #[test]
 fn faults_of_scenes_name_the_scene() {
     let missing = error(&SMALL.replace("other.toml", "nowhere.toml"));
     assert!(missing.file.ends_with("nowhere.toml"), "{missing}");
+    let (folder, path) = written(SMALL);
+    let scene = "summary = \"One trunk\"\narm = \"none.toml\"\n[[objects.trunk]]\ncount = 1\n";
+    std::fs::write(folder.path().join("other.toml"), scene).unwrap();
+    let missing = Experiment::load(&path).unwrap_err();
+    assert!(missing.file.ends_with("none.toml"), "{missing}");
+    let scene = folder.path().join("other.toml");
+    assert!(missing.to_string().contains(&scene.display().to_string()), "{missing}");
 }
 
 /// Tests that labels without an object of that name are refused if verdicts are compared with objects, and allowed

@@ -186,6 +186,6 @@ fn verdicts_need_contacts_and_their_patch() {
     let mut bare = Arm::cody().unwrap();
     bare.skin.layout.patches.clear();
     bare.skin.surfaces.clear();
-    let bare = ReachPlan::with_arm(scene, bare, None, 1).unwrap();
+    let bare = ReachPlan::with_arm(scene, Some(bare), None, 1).unwrap();
     assert!(verdicts.applied_to(bare).is_err());
 }

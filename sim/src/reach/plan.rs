@@ -1,10 +1,9 @@
 //! Everything that decides a reach: scene, arm, controller, rules, seed.
 
 use std::fmt;
-use std::path::Path;
 use std::sync::Arc;
 
-use underbrush_recording::{InputError, Recording, line_setting};
+use underbrush_recording::{InputError, Recording};
 
 use super::{Observer, Reach, ReachError, ReachRules, Stop};
 use crate::arm::{Arm, ArmAtStart};
@@ -79,24 +78,20 @@ impl ReachPlan {
     /// # Errors
     /// When the arm's files are bad.
     pub fn new(scene: Scene, controller: Option<ControllerKind>, seed: u64) -> Result<ReachPlan, InputError> {
-        let arm = match scene.file.arm.as_str() {
-            "cody" => Arm::cody()?,
-            path => Arm::load(scene.path.parent().unwrap_or(Path::new(".")).join(path))
-                .map_err(|error| error.named_in(&scene.path, line_setting(&scene.text, "arm")))?,
-        };
-        ReachPlan::with_arm(scene, arm, controller, seed)
+        ReachPlan::with_arm(scene, None, controller, seed)
     }
 
-    /// As [`ReachPlan::new`], with an arm that was already read instead of the one that the scene names.
+    /// As [`ReachPlan::new`]. An arm that was already read replaces the one that the scene names.
     ///
     /// # Errors
-    /// When the scene's sensor options do not fit the arm's skin, or the arm lacks a link that carries a camera.
+    /// When the arm's files are bad, the scene's sensor options do not fit the arm's skin, or the arm lacks a link that carries a camera.
     pub fn with_arm(
         scene: Scene,
-        mut arm: Arm,
+        arm: Option<Arm>,
         controller: Option<ControllerKind>,
         seed: u64,
     ) -> Result<ReachPlan, InputError> {
+        let mut arm = arm.map_or_else(|| scene.load_arm(), Ok)?;
         arm.scale_stiffness(scene.file.robot.stiffness_scale);
         scene.sensor_fault(scene.file.sensor.fault_on(&arm.skin.layout))?;
         scene.check_links_of_cameras(&arm)?;

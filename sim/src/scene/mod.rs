@@ -132,6 +132,21 @@ impl Scene {
         Scene::parse(&self.path, format!("{}\n{}", self.text, file.section(draws)))
     }
 
+    /// The file of its arm; `None` for the arm that ships.
+    pub fn arm_path(&self) -> Option<PathBuf> {
+        let folder = self.path.parent().unwrap_or(Path::new("."));
+        (self.file.arm != "cody").then(|| folder.join(&self.file.arm))
+    }
+
+    /// Its arm as the arm's files have it, without the scale factors of the scene.
+    ///
+    /// # Errors
+    /// When the arm's files are bad.
+    pub fn load_arm(&self) -> Result<Arm, InputError> {
+        let Some(path) = self.arm_path() else { return Arm::cody() };
+        Arm::load(path).map_err(|error| error.named_in(&self.path, line_setting(&self.text, "arm")))
+    }
+
     /// Hash of the file's text, hexadecimal BLAKE3.
     pub fn hash(&self) -> String {
         blake3::hash(self.text.as_bytes()).to_hex().to_string()
