@@ -41,8 +41,11 @@ impl Clutter {
             }
         }
         table.insert("objects".into(), objects.into());
-        let materials = self.materials.values().map(|(name, value)| (name.to_owned(), value.into()));
-        table.insert("materials".into(), materials.collect::<Table>().into());
+        let materials: Table = self.materials.values().map(|(name, value)| (name.to_owned(), value.into())).collect();
+        table.remove("materials");
+        if !materials.is_empty() {
+            table.insert("materials".into(), materials.into());
+        }
         let mut goals = match table.remove("goals") {
             Some(Value::Table(goals)) => goals,
             _ => Table::new(),

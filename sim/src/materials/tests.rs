@@ -46,6 +46,21 @@ fn draws_are_within_their_ranges_and_change_no_clutter() {
     assert_eq!(run(&file.section(false)), run(""));
 }
 
+/// Tests that constants can be added to an arranged scene, and that a scene with a section of its own, even an empty one, is
+/// refused with its line.
+#[test]
+fn constants_are_added_to_scenes_without_any() {
+    let file = MaterialFile::shipped().unwrap();
+    let own = plan("[materials]\n");
+    let error = own.scene.with_materials(&file, true).unwrap_err();
+    assert_eq!((error.field.as_str(), error.line), ("materials", Some(6)), "{error}");
+    for plan in [plan(""), own] {
+        let text = plan.draw(0).unwrap().arranged(&plan.scene, "".as_ref());
+        let arranged = Scene::parse("arranged.toml", text).unwrap();
+        assert_eq!(arranged.with_materials(&file, true).unwrap().file.materials.quantities().len(), CONSTANTS.len());
+    }
+}
+
 /// Tests that a file is refused for an unknown constant, a range beyond the limits, and a value outside its range.
 #[test]
 fn bad_files_are_refused() {

@@ -10,7 +10,7 @@ use underbrush_recording::{
 };
 
 use crate::arm::Arm;
-use crate::materials::{MaterialFile, MaterialsSection};
+use crate::materials::MaterialFile;
 use crate::object::COLLIDING_KINDS;
 use crate::range::{Limited, PLACE_M, Placement, YAW_DEG};
 use crate::sensor::Fault;
@@ -124,10 +124,11 @@ impl Scene {
     /// # Errors
     /// When the scene has a section `[materials]` already.
     pub fn with_materials(&self, file: &MaterialFile, draws: bool) -> Result<Scene, InputError> {
-        if self.file.materials != MaterialsSection::default() {
+        if let Some(line) = line_setting(&self.text, "materials") {
             let allowed = "a scene without this section, or no file of materials and nothing to randomize";
             let remedy = "remove one of the two";
-            return Err(InputError::new(&self.path, "materials", "a section of its own", allowed, remedy));
+            let fault = InputError::new(&self.path, "materials", "a section of its own", allowed, remedy);
+            return Err(fault.at_line(line));
         }
         Scene::parse(&self.path, format!("{}\n{}", self.text, file.section(draws)))
     }
