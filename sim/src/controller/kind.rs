@@ -69,8 +69,10 @@ impl ControllerKind {
     /// Its parameters: those that were published, or those that it shares with a published controller.
     pub fn preset(self) -> Preset {
         match self {
-            ControllerKind::Cody2013 | ControllerKind::Blind => Preset::cody_2013(),
+            ControllerKind::Cody2013 => Preset::cody_2013(),
             ControllerKind::IjrrFoliage => Preset::ijrr_foliage(),
+            // No force is above this, so it ignores all contacts.
+            ControllerKind::Blind => Preset { name: "blind", ignored_force_n: f64::INFINITY, ..Preset::cody_2013() },
             ControllerKind::Mapped => Preset { name: "mapped", ..Preset::cody_2013() },
         }
     }
@@ -78,10 +80,7 @@ impl ControllerKind {
     /// The controller of an arm, with these parameters.
     pub fn controller(self, preset: Preset, arm: &Arm) -> Box<dyn Controller> {
         match self {
-            ControllerKind::Cody2013 | ControllerKind::IjrrFoliage => Box::new(ModelPredictive::new(preset, arm)),
-            ControllerKind::Blind => {
-                // No force is above this, so it ignores all contacts.
-                let preset = Preset { name: self.name(), ignored_force_n: f64::INFINITY, ..preset };
+            ControllerKind::Cody2013 | ControllerKind::IjrrFoliage | ControllerKind::Blind => {
                 Box::new(ModelPredictive::new(preset, arm))
             }
             ControllerKind::Mapped => Box::new(Mapped::new(preset, arm)),

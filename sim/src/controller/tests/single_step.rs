@@ -238,11 +238,14 @@ fn blind_is_the_same_controller_without_skin() {
     let preset = Preset::cody_2013();
     let free = situation.step(&mut ModelPredictive::new(preset.clone(), &arm));
     situation.press(0, 12, 20.0);
-    assert_eq!(situation.step(ControllerKind::Blind.controller(preset.clone(), &arm).as_mut()), free);
+    let blind = ControllerKind::Blind;
+    assert_eq!(situation.step(blind.controller(blind.preset(), &arm).as_mut()), free);
     assert_ne!(situation.step(&mut ModelPredictive::new(preset, &arm)), free);
     for name in ControllerKind::names() {
         let kind = ControllerKind::from_name(name).unwrap();
         assert_eq!((kind.name(), kind.controller(kind.preset(), &arm).name()), (name, name));
+        // Data sets store this one.
+        assert_eq!(kind.preset().name, name);
     }
     assert!(ControllerKind::from_name("cody").is_err());
 }
