@@ -92,10 +92,12 @@ pub fn cover(arm_file: &Path, new: &NewPatch) -> Result<Covered, InputError> {
         table.is_ok_and(|table| table.get("name").and_then(toml::Value::as_str) == Some(new.name.as_str()))
     };
     // A patch keeps its place among the others, because the first one is special.
-    let (before, own) = (format!("{}\n\n", skin.text.trim_end()), format!("\n{}\n\n", table.trim_end()));
+    let before = format!("{}\n\n", skin.text.trim_end());
     let mut blocks: Vec<&str> = before.split("[[patch]]").collect();
-    match blocks.iter().skip(1).position(is_new) {
-        Some(place) => blocks[place + 1] = &own,
+    let found = blocks.iter().skip(1).position(is_new).map(|place| place + 1);
+    let own = format!("\n{}\n\n{}", table.trim_end(), found.map_or("", |place| remarks(blocks[place])));
+    match found {
+        Some(place) => blocks[place] = &own,
         None => blocks.push(&own),
     }
     let text = format!("{}\n", blocks.join("[[patch]]").trim_end());
@@ -104,6 +106,13 @@ pub fn cover(arm_file: &Path, new: &NewPatch) -> Result<Covered, InputError> {
     let arm = Arm::from_files(&files)
         .map_err(|error| refused(format!("{}: {}", error.field, error.found), &error.allowed, "change --pitch-mm"))?;
     Ok(Covered { path, text, arm, left_out })
+}
+
+/// The comments at the end of a patch, which are about the next one.
+fn remarks(block: &str) -> &str {
+    let is_code = |line: &&str| !line.trim().is_empty() && !line.trim_start().starts_with('#');
+    let lines = block.split_inclusive('\n').rev().take_while(|line| !is_code(line));
+    block[block.len() - lines.map(str::len).sum::<usize>()..].trim_start()
 }
 
 /// What is wrong with the options, all of it, and the link.

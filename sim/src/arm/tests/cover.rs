@@ -140,7 +140,7 @@ fn a_pitch_of_nothing_has_one_message() {
     assert_eq!(error.found, "a pitch of 0 mm; it must be 0.1 to 500 mm");
 }
 
-/// Tests that a patch is replaced only on demand, in its place, and that the others stay.
+/// Tests that a patch is replaced only on demand, in its place, and that the others stay, with the comments about them.
 #[test]
 fn a_patch_is_replaced_on_demand() {
     let folder = tempfile::tempdir().unwrap();
@@ -154,7 +154,14 @@ fn a_patch_is_replaced_on_demand() {
     new.name = "one".into();
     assert!(cover(&file, &new).unwrap_err().found.contains("--force"));
     (new.pitch_m, new.replace) = (0.01, true);
-    let patches = cover(&file, &new).unwrap().arm.skin.layout.patches;
+    let skin = folder.path().join("rod.skin.toml");
+    let text = fs::read_to_string(&skin).unwrap();
+    let (before, second) = text.rsplit_once("[[patch]]").unwrap();
+    fs::write(&skin, format!("{before}# About the second.\n[[patch]]{second}")).unwrap();
+    let made = cover(&file, &new).unwrap();
+    assert!(made.text.contains(&format!("\n]\n\n# About the second.\n[[patch]]{second}")), "{}", made.text);
+    assert_eq!(made.text.matches("# Made by").count(), 2);
+    let patches = made.arm.skin.layout.patches;
     let names: Vec<&str> = patches.iter().map(|patch| patch.name.as_str()).collect();
     assert_eq!(names, ["one", "two"]);
     assert!(patches[0].taxels.len() > 3 * patches[1].taxels.len());
