@@ -2,10 +2,22 @@
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use serde_json::json;
 
 use crate::support::{scenes, underbrush};
+
+/// Tests that a folder with the name of a shipped scene, such as a data set of it, does not hide the scene.
+#[test]
+fn a_folder_does_not_hide_a_shipped_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("trunk")).unwrap();
+    let mut program = Command::new(env!("CARGO_BIN_EXE_underbrush"));
+    let answer = program.args(["arrange", "trunk", "--out", "drawn.toml"]).current_dir(&folder).output().unwrap();
+    assert!(answer.status.success(), "{}", String::from_utf8_lossy(&answer.stderr));
+    assert!(fs::read_to_string(folder.path().join("drawn.toml")).unwrap().contains("[[objects.trunk]]"));
+}
 
 /// Tests that the share of goals reached in a suite is that of the goals which a scene lists, and not of `goals.count`.
 #[test]

@@ -83,12 +83,15 @@ impl Scene {
     pub fn open(name_or_path: impl AsRef<Path>) -> Result<Scene, InputError> {
         let path = name_or_path.as_ref();
         let name = path.to_string_lossy();
-        if path.extension().is_some() || path.exists() {
-            return Scene::read(path, "check the path, or give the name of a scene that ships, such as mixed");
-        }
         match shipped_by_name().find(|(shipped, _)| *shipped == name) {
-            Some((shipped, text)) => Scene::of_text(Path::new(&format!("{shipped}.toml")), text.to_owned()),
-            None => {
+            // A folder of that name, such as a data set of the scene, does not hide it.
+            Some((shipped, text)) if !path.is_file() => {
+                Scene::of_text(Path::new(&format!("{shipped}.toml")), text.to_owned())
+            }
+            _ if path.extension().is_some() || path.exists() => {
+                Scene::read(path, "check the path, or give the name of a scene that ships, such as mixed")
+            }
+            _ => {
                 let names: Vec<&str> = shipped_by_name().map(|(name, _)| name).collect();
                 let allowed = format!("{}, or the path of a scene file", names.join(", "));
                 Err(InputError::new(path, "scene", name, allowed, "choose one of them"))
