@@ -103,17 +103,17 @@ const ARM: &[(&str, &str, Key)] = &[
         "cody.toml",
         "[[joint]]\nname = \"wrist_yaw\"\nstiffness_nm_per_rad = 30.0\ndamping_nm_s_per_rad = 0.48\n\
          model_stiffness_nm_per_rad = 30.0\ncontroller_limits_deg = [-40.0, 40.0]\nstart_deg = 0.0\n",
-        Key("[[held]]\nname = \"wrist_yaw\"\nangle_deg = V\n", "held.angle_deg", "10.0", "0 -1 1e-300"),
+        Key("[[held]]\nname = \"wrist_yaw\"\nangle_deg = V\n", "held[0].angle_deg", "10.0", "0 -1 1e-300"),
     ),
     (
         "cody.toml",
         "friction = 0.3",
         Key(
             "friction = 0.3\n[[inertia]]\nlink = \"shoulder\"\nentries_kg_m2 = [V, 0, 0, 0.003212, 0, 0.004658]\n",
-            "inertia.entries_kg_m2", "0.003", "",
+            "inertia[0].entries_kg_m2", "0.003", "",
         ),
     ),
-    ("cody.toml", "[-0.00443, 0.04363", Key("[V, 0.04363", "hull.points_m|patch flipper", "-0.0045", "0 -1 1e-300")),
+    ("cody.toml", "[-0.00443, 0.04363", Key("[V, 0.04363", "hull[0].points_m|patch flipper", "-0.0045", "0 -1 1e-300")),
     ("cody.urdf", "xyz=\"-0.002865 -0.175436", Key("xyz=\"V -0.175436", "link shoulder, inertial.origin", "0.001", "0 -1 1e-300")),
     ("cody.urdf", "<mass value=\"2.0036\"/>", Key("<mass value=\"V\"/>", "link shoulder, inertial", "2.5", "")),
     ("cody.urdf", "ixx=\"0.003056\"", Key("ixx=\"V\"", "link shoulder, inertial.inertia", "0.0031", "")),

@@ -136,7 +136,7 @@ fn links_pass_through_each_other_where_a_file_says_so() {
     }
     for (pair, found) in [("[\"far\", \"hand\"]", "hand"), ("[\"far\", \"far\"]", "one rigid link")] {
         let error = plan(folder.path(), &format!("passing_links = [{pair}]"), "").err().unwrap();
-        assert!(error.field == "passing_links" && error.line == Some(7) && error.found.contains(found), "{error}");
+        assert!(error.field == "passing_links[0]" && error.line == Some(7) && error.found.contains(found), "{error}");
     }
 }
 

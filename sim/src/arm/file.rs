@@ -6,8 +6,7 @@ use std::path::Path;
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::Deserialize;
-use toml::Spanned;
-use underbrush_recording::{BodyShape, InputError, PLAIN, is_plain, line_setting, short};
+use underbrush_recording::{BodyShape, InputError, PLAIN, is_plain, short};
 
 use super::inertia::{self, Entries};
 use super::passing::passing_links;
@@ -35,25 +34,21 @@ pub(super) struct ArmFile {
     #[schemars(transform = Within(limits::FRICTION))]
     friction: f64,
     /// One table for each moving joint of the chain.
-    #[schemars(with = "Vec<JointTable>", length(min = 1))]
-    joint: Vec<Spanned<JointTable>>,
+    #[schemars(length(min = 1))]
+    joint: Vec<JointTable>,
     /// Convex collision shapes, in addition to those of the URDF, and in place of the meshes of their links.
     #[serde(default)]
-    #[schemars(with = "Vec<HullTable>")]
-    hull: Vec<Spanned<HullTable>>,
+    hull: Vec<HullTable>,
     /// Pairs of links that pass through each other instead of colliding. Links with one or two joints between them, and
     /// links that overlap in the start posture, always do.
     #[serde(default)]
-    #[schemars(with = "Vec<[String; 2]>")]
-    passing_links: Vec<Spanned<[String; 2]>>,
+    passing_links: Vec<[String; 2]>,
     /// Joints that are held fixed, such as those of fingers.
     #[serde(default)]
-    #[schemars(with = "Vec<HeldTable>")]
-    held: Vec<Spanned<HeldTable>>,
+    held: Vec<HeldTable>,
     /// Inertia of links, in place of one in the URDF that no body has.
     #[serde(default)]
-    #[schemars(with = "Vec<InertiaTable>")]
-    inertia: Vec<Spanned<InertiaTable>>,
+    inertia: Vec<InertiaTable>,
 }
 
 /// A joint: a spring and a damper about an equilibrium angle, which the controller moves.
@@ -127,22 +122,22 @@ pub(super) fn assemble(path: &Path, read: &dyn Fn(&Path) -> Result<String, Input
     let source = open(path)?;
     let file: ArmFile = source.toml("the keys of an arm file, such as that of `cody`, which ships with underbrush")?;
     if !is_plain(&file.name) {
-        return Err(source.fault_after(0, "name", format!("{:?}", file.name), PLAIN));
+        return Err(source.fault_at("name", format!("{:?}", file.name), PLAIN));
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let named = |key: &str, name: &str| {
-        open(&folder.join(name)).map_err(|error| error.named_in(path, line_setting(&source.text, key)))
+        open(&folder.join(name)).map_err(|error| error.named_in(path, source.line_setting(key)))
     };
     let urdf = named("urdf", &file.urdf)?;
     let mut chain = read_held_chain(&source, &file, &urdf)?;
-    source.check(0, "friction", file.friction, limits::FRICTION)?;
-    for hull in &file.hull {
-        add_hull(&source, hull, &mut chain)?;
+    source.check("friction", file.friction, limits::FRICTION)?;
+    for (number, hull) in file.hull.iter().enumerate() {
+        add_hull(&source, &format!("hull[{number}]"), hull, &mut chain)?;
     }
-    let (end_effector_link, end_effector_pose_link) = chain.frame(&source, 0, "tip_link", &file.tip_link)?;
+    let (end_effector_link, end_effector_pose_link) = chain.frame(&source, "tip_link", &file.tip_link)?;
     if end_effector_link + 1 != chain.links.len() {
         let allowed = format!("the last moving link or one that is fixed to it: {}", chain.links_at_end());
-        return Err(source.fault_after(0, "tip_link", &file.tip_link, allowed));
+        return Err(source.fault_at("tip_link", &file.tip_link, allowed));
     }
     let passing = read_passing_links(&source, &file.passing_links, &chain)?;
     let skin_source = named("skin", &file.skin)?;
@@ -166,22 +161,15 @@ pub(super) fn assemble(path: &Path, read: &dyn Fn(&Path) -> Result<String, Input
 }
 
 /// The links of the pairs that the file names, the one nearer to the base first.
-fn read_passing_links(
-    source: &Source,
-    pairs: &[Spanned<[String; 2]>],
-    chain: &Chain,
-) -> Result<Vec<[usize; 2]>, InputError> {
+fn read_passing_links(source: &Source, pairs: &[[String; 2]], chain: &Chain) -> Result<Vec<[usize; 2]>, InputError> {
     let mut found = Vec::new();
-    for pair in pairs {
-        let start = pair.span().start;
-        let [first, second] = pair.get_ref();
-        let [first, second] = [first, second].map(|name| chain.frame(source, start, "passing_links", name));
+    for (number, [name, other]) in pairs.iter().enumerate() {
+        let place = format!("passing_links[{number}]");
+        let [first, second] = [name, other].map(|name| chain.frame(source, &place, name));
         let (first, second) = (first?.0, second?.0);
         if first == second {
-            let [name, other] = pair.get_ref();
             let found = format!("{name:?} and {other:?}, one rigid link");
-            let allowed = "two links with a moving joint between them";
-            return Err(source.fault_after(start, "passing_links", found, allowed));
+            return Err(source.fault_at(&place, found, "two links with a moving joint between them"));
         }
         found.push([first.min(second), first.max(second)]);
     }
@@ -191,76 +179,72 @@ fn read_passing_links(
 /// Reads the chain of the URDF with the joints that the file holds.
 fn read_held_chain(source: &Source, file: &ArmFile, urdf: &Source) -> Result<Chain, InputError> {
     let mut held = BTreeMap::new();
-    for table in &file.held {
-        let (start, table) = (table.span().start, table.get_ref());
-        source.check(start, "held.angle_deg", table.angle_deg.unwrap_or(0.0), limits::ANGLE_DEG)?;
-        source.check(start, "held.displacement_m", table.displacement_m.unwrap_or(0.0), limits::PLACE_M)?;
+    for (number, table) in file.held.iter().enumerate() {
+        let key = |key: &str| format!("held[{number}].{key}");
+        source.check(&key("angle_deg"), table.angle_deg.unwrap_or(0.0), limits::ANGLE_DEG)?;
+        source.check(&key("displacement_m"), table.displacement_m.unwrap_or(0.0), limits::PLACE_M)?;
         let place = table.angle_deg.map(f64::to_radians).or(table.displacement_m).unwrap_or(0.0);
         if held.insert(table.name.clone(), place).is_some() {
             let found = format!("a second {}", table.name);
-            return Err(source.fault_after(start, "held.name", found, "one table for each joint"));
+            return Err(source.fault_at(&key("name"), found, "one table for each joint"));
         }
     }
-    let hulled = file.hull.iter().map(|hull| hull.get_ref().link.clone()).collect();
+    let hulled = file.hull.iter().map(|hull| hull.link.clone()).collect();
     let inertia = read_inertia(source, &file.inertia)?;
     let chain = read_chain(urdf, &file.base_link, &Said { held, hulled, inertia })?;
-    for table in &file.inertia {
-        chain.frame(source, table.span().start, "inertia.link", &table.get_ref().link)?;
+    for (number, table) in file.inertia.iter().enumerate() {
+        chain.frame(source, &format!("inertia[{number}].link"), &table.link)?;
     }
-    for table in &file.held {
-        let (start, table) = (table.span().start, table.get_ref());
+    for (number, table) in file.held.iter().enumerate() {
+        let place = format!("held[{number}]");
         let Some(turns) = chain.held.get(&table.name) else {
-            return Err(source.fault_after(start, "held.name", &table.name, "a joint of the URDF that is not fixed"));
+            let allowed = "a joint of the URDF that is not fixed";
+            return Err(source.fault_at(&format!("{place}.name"), &table.name, allowed));
         };
         if [table.angle_deg.is_some(), table.displacement_m.is_some()] != [*turns, !*turns] {
             let (key, kind) = if *turns { ("angle_deg", "turns") } else { ("displacement_m", "slides") };
             let allowed = format!("`{key}` alone, because {} {kind}", table.name);
-            return Err(source.fault_after(start, "held", "another key, both or none", allowed));
+            return Err(source.fault_at(&place, "another key, both or none", allowed));
         }
     }
     Ok(chain)
 }
 
 /// The inertia of links, by their names.
-fn read_inertia(source: &Source, tables: &[Spanned<InertiaTable>]) -> Result<BTreeMap<String, Entries>, InputError> {
+fn read_inertia(source: &Source, tables: &[InertiaTable]) -> Result<BTreeMap<String, Entries>, InputError> {
     let mut found = BTreeMap::new();
-    for table in tables {
-        let (start, table) = (table.span().start, table.get_ref());
-        source.check_each(start, "inertia.entries_kg_m2", &table.entries_kg_m2, limits::INERTIA_ENTRY_KG_M2)?;
+    for (number, table) in tables.iter().enumerate() {
+        let entries = format!("inertia[{number}].entries_kg_m2");
+        source.check_each(&entries, &table.entries_kg_m2, limits::INERTIA_ENTRY_KG_M2)?;
         if let Some((found, allowed)) = inertia::fault(table.entries_kg_m2) {
-            return Err(source.fault_after(start, "inertia.entries_kg_m2", found, allowed));
+            return Err(source.fault_at(&entries, found, allowed));
         }
         if found.insert(table.link.clone(), table.entries_kg_m2).is_some() {
             let found = format!("a second {}", table.link);
-            return Err(source.fault_after(start, "inertia.link", found, "one table for each link"));
+            return Err(source.fault_at(&format!("inertia[{number}].link"), found, "one table for each link"));
         }
     }
     Ok(found)
 }
 
 /// Combines each moving joint of the URDF with its table in the TOML file.
-fn join_tables(
-    source: &Source,
-    chain: Vec<ChainJoint>,
-    tables: &[Spanned<JointTable>],
-) -> Result<Vec<Joint>, InputError> {
-    for (number, table) in tables.iter().enumerate() {
-        let name = &table.get_ref().name;
-        let start = table.span().start;
+fn join_tables(source: &Source, chain: Vec<ChainJoint>, tables: &[JointTable]) -> Result<Vec<Joint>, InputError> {
+    for (number, JointTable { name, .. }) in tables.iter().enumerate() {
+        let place = format!("joint[{number}].name");
         if !chain.iter().any(|joint| joint.name == *name) {
             let names: Vec<&str> = chain.iter().map(|joint| joint.name.as_str()).collect();
             let allowed = format!("a moving joint of the URDF: {}", names.join(", "));
-            return Err(source.fault_after(start, "joint.name", name, allowed));
+            return Err(source.fault_at(&place, name, allowed));
         }
-        if tables[..number].iter().any(|other| other.get_ref().name == *name) {
+        if tables[..number].iter().any(|other| other.name == *name) {
             let found = format!("a second {name}");
-            return Err(source.fault_after(start, "joint.name", found, "one table for each joint"));
+            return Err(source.fault_at(&place, found, "one table for each joint"));
         }
     }
     chain
         .into_iter()
-        .map(|joint| match tables.iter().find(|table| table.get_ref().name == joint.name) {
-            Some(table) => join_table(source, joint, table),
+        .map(|joint| match tables.iter().position(|table| table.name == joint.name) {
+            Some(number) => join_table(source, joint, number, &tables[number]),
             None => {
                 let remedy = format!("add a [[joint]] table with name = \"{}\"", joint.name);
                 Err(source.fault("joint", format!("none for {}", joint.name), "a table for each moving joint", remedy))
@@ -269,13 +253,12 @@ fn join_tables(
         .collect()
 }
 
-fn join_table(source: &Source, joint: ChainJoint, table: &Spanned<JointTable>) -> Result<Joint, InputError> {
-    let start = table.span().start;
-    let table = table.get_ref();
-    let fault = |key: &str, found: String, allowed: &str| {
-        source.fault_after(start, &format!("joint {}.{key}", joint.name), found, allowed)
-    };
-    let check = |key, value, limits| source.check(start, &format!("joint {}.{key}", joint.name), value, limits);
+fn join_table(source: &Source, joint: ChainJoint, number: usize, table: &JointTable) -> Result<Joint, InputError> {
+    let place = |key: &str| format!("joint[{number}].{key}");
+    // Errors name the joint, and not its place in the file.
+    let named = |key: &str, error: InputError| InputError { field: format!("joint {}.{key}", joint.name), ..error };
+    let fault = |key: &str, found: String, allowed: &str| named(key, source.fault_at(&place(key), found, allowed));
+    let check = |key, value, limits| source.check(&place(key), value, limits).map_err(|error| named(key, error));
     check("stiffness_nm_per_rad", table.stiffness_nm_per_rad, limits::STIFFNESS_NM_PER_RAD)?;
     check("model_stiffness_nm_per_rad", table.model_stiffness_nm_per_rad, limits::STIFFNESS_NM_PER_RAD)?;
     check("damping_nm_s_per_rad", table.damping_nm_s_per_rad, limits::DAMPING_NM_S_PER_RAD)?;
@@ -313,17 +296,16 @@ fn join_table(source: &Source, joint: ChainJoint, table: &Spanned<JointTable>) -
     })
 }
 
-fn add_hull(source: &Source, table: &Spanned<HullTable>, chain: &mut Chain) -> Result<(), InputError> {
-    let start = table.span().start;
-    let hull = table.get_ref();
-    let (link, pose) = chain.frame(source, start, "hull.link", &hull.link)?;
+fn add_hull(source: &Source, place: &str, hull: &HullTable, chain: &mut Chain) -> Result<(), InputError> {
+    let points = format!("{place}.points_m");
+    let (link, pose) = chain.frame(source, &format!("{place}.link"), &hull.link)?;
     if hull.points_m.len() > MAX_CORNERS {
         let found = format!("{} points", hull.points_m.len());
         let allowed = format!("at most {MAX_CORNERS} points; leave out those that hardly matter");
-        return Err(source.fault_after(start, "hull.points_m", found, allowed));
+        return Err(source.fault_at(&points, found, allowed));
     }
     for point in &hull.points_m {
-        source.check_each(start, "hull.points_m", point, limits::PLACE_M)?;
+        source.check_each(&points, point, limits::PLACE_M)?;
     }
     let points_m: Vec<DVec3> = hull.points_m.iter().copied().map(DVec3::from_array).collect();
     let collider = LinkCollider::new(BodyShape::Hull { points_m }, pose);
@@ -331,7 +313,7 @@ fn add_hull(source: &Source, table: &Spanned<HullTable>, chain: &mut Chain) -> R
     let Some(collider) = collider.filter(|_| limits::HULL_VOLUME_M3.hold(volume_m3)) else {
         let found = format!("{} points around {} m³", hull.points_m.len(), short(volume_m3));
         let allowed = format!("at least four points, not all in one plane, around {}", limits::HULL_VOLUME_M3);
-        return Err(source.fault_after(start, "hull.points_m", found, allowed));
+        return Err(source.fault_at(&points, found, allowed));
     };
     chain.links[link].colliders.push(collider);
     Ok(())

@@ -3,7 +3,6 @@
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::Deserialize;
-use toml::Spanned;
 use underbrush_recording::limits::{MAX_PATCHES, MAX_TAXELS, short};
 use underbrush_recording::{Grid, InputError, PLAIN, Patch, SkinLayout, Taxel, is_plain, math};
 
@@ -31,8 +30,7 @@ pub(super) struct SkinFile {
     loss_time_s: f64,
     /// The patches. The command line uses the first one if no other is named.
     #[serde(default)]
-    #[schemars(with = "Vec<PatchTable>")]
-    patch: Vec<Spanned<PatchTable>>,
+    patch: Vec<PatchTable>,
 }
 
 /// Loss time of soft rubber and foam rubber, s: their loss factor is 0.05 to 0.3 at the frequencies of touch, about 10
@@ -55,11 +53,9 @@ struct PatchTable {
     #[serde(default)]
     technology: Technology,
     /// Taxels in rows and columns on a cylinder. Either this or `points`.
-    #[schemars(with = "Option<CylinderTable>")]
-    cylinder: Option<Spanned<CylinderTable>>,
+    cylinder: Option<CylinderTable>,
     /// Taxels listed one by one. Either this or `cylinder`.
-    #[schemars(with = "Option<PointsTable>")]
-    points: Option<Spanned<PointsTable>>,
+    points: Option<PointsTable>,
 }
 
 /// Square taxels in rows and columns on a cylinder. Taxel index = row · columns + column.
@@ -113,8 +109,8 @@ struct PointsTable {
     #[schemars(transform = Within(limits::TAXEL_AREA_M2))]
     derived_area_limits_m2: Option<[f64; 2]>,
     /// The taxels, in the order of their indices.
-    #[schemars(with = "Vec<TaxelTable>", length(min = 1))]
-    taxels: Vec<Spanned<TaxelTable>>,
+    #[schemars(length(min = 1))]
+    taxels: Vec<TaxelTable>,
 }
 
 /// A single taxel.
@@ -136,28 +132,23 @@ struct TaxelTable {
 /// file names.
 pub(super) fn read_layout(source: &Source) -> Result<SkinLayout, InputError> {
     let mut layout = SkinLayout::default();
-    for table in &read_file(source)?.patch {
-        let PatchTaxels { grid, taxels, .. } = patch_taxels(source, table, &layout)?;
-        layout.patches.push(Patch {
-            name: table.get_ref().name.clone(),
-            link: table.get_ref().link.clone(),
-            grid,
-            taxels,
-        });
+    for (number, table) in read_file(source)?.patch.into_iter().enumerate() {
+        let PatchTaxels { grid, taxels, .. } = patch_taxels(source, &format!("patch[{number}]"), &table, &layout)?;
+        layout.patches.push(Patch { name: table.name, link: table.link, grid, taxels });
     }
     Ok(layout)
 }
 
 fn read_file(source: &Source) -> Result<SkinFile, InputError> {
     let file: SkinFile = source.toml("the keys of a skin file, such as that of `cody`, which ships with underbrush")?;
-    source.check(0, "stiffness_n_per_m3", file.stiffness_n_per_m3, limits::SKIN_N_PER_M3)?;
+    source.check("stiffness_n_per_m3", file.stiffness_n_per_m3, limits::SKIN_N_PER_M3)?;
     if let Some(thickness_m) = file.thickness_m {
-        source.check(0, "thickness_m", thickness_m, limits::LAYER_M)?;
+        source.check("thickness_m", thickness_m, limits::LAYER_M)?;
     }
-    source.check(0, "loss_time_s", file.loss_time_s, limits::LOSS_TIME_S)?;
+    source.check("loss_time_s", file.loss_time_s, limits::LOSS_TIME_S)?;
     if file.patch.len() > MAX_PATCHES {
         let found = format!("{} patches", file.patch.len());
-        return Err(source.fault_after(0, "patch", found, format!("at most {MAX_PATCHES} patches")));
+        return Err(source.fault_at("patch", found, format!("at most {MAX_PATCHES} patches")));
     }
     Ok(file)
 }
@@ -168,15 +159,17 @@ struct PatchTaxels {
     radius_m: Option<f64>,
     grid: Option<Grid>,
     taxels: Vec<Taxel>,
-    /// The byte at which each taxel stands in the file, for error messages.
-    offsets: Vec<usize>,
 }
 
-/// Reads the taxels of a patch in the frame that the file names. The patch's name must differ from those of `earlier` patches.
-fn patch_taxels(source: &Source, table: &Spanned<PatchTable>, earlier: &SkinLayout) -> Result<PatchTaxels, InputError> {
-    let start = table.span().start;
-    let table = table.get_ref();
-    let wrong_name = |allowed| Err(source.fault_after(start, "patch.name", format!("{:?}", table.name), allowed));
+/// Reads the taxels of the patch at `place` of the file, in the frame that the file names. The patch's name must differ from
+/// those of `earlier` patches.
+fn patch_taxels(
+    source: &Source,
+    place: &str,
+    table: &PatchTable,
+    earlier: &SkinLayout,
+) -> Result<PatchTaxels, InputError> {
+    let wrong_name = |allowed| Err(source.fault_at(&format!("{place}.name"), format!("{:?}", table.name), allowed));
     // Columns are named after patches, and LeRobot reads a "/" in a name as part of a path.
     if table.name.is_empty() || table.name.contains('/') || earlier.patch_index(&table.name).is_some() {
         return wrong_name("a unique name without \"/\"");
@@ -185,17 +178,17 @@ fn patch_taxels(source: &Source, table: &Spanned<PatchTable>, earlier: &SkinLayo
         return wrong_name(PLAIN);
     }
     let patch = match (&table.cylinder, &table.points) {
-        (Some(cylinder), None) => cylinder_taxels(source, cylinder)?,
-        (None, Some(points)) => point_taxels(source, points)?,
+        (Some(cylinder), None) => cylinder_taxels(source, &format!("{place}.cylinder"), cylinder)?,
+        (None, Some(points)) => point_taxels(source, &format!("{place}.points"), points)?,
         _ => {
             let allowed = "either [patch.cylinder] or [patch.points]";
-            return Err(source.fault_after(start, "patch", format!("both or none in {:?}", table.name), allowed));
+            return Err(source.fault_at(place, format!("both or none in {:?}", table.name), allowed));
         }
     };
     let count = earlier.taxel_count() + patch.taxels.len();
     if !(1..=MAX_TAXELS).contains(&count) {
         let allowed = format!("1 to {MAX_TAXELS} taxels on all patches together");
-        return Err(source.fault_after(start, "patch", format!("{count} taxels"), allowed));
+        return Err(source.fault_at(place, format!("{count} taxels"), allowed));
     }
     Ok(patch)
 }
@@ -210,50 +203,47 @@ pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputErr
         thickness_m: file.thickness_m,
         loss_time_s: file.loss_time_s,
     };
-    for table in &file.patch {
-        let (link, pose) = chain.frame(source, table.span().start, "patch.link", &table.get_ref().link)?;
-        let PatchTaxels { radius_m, grid, mut taxels, offsets } = patch_taxels(source, table, &skin.layout)?;
-        let table = table.get_ref();
+    for (number, table) in file.patch.iter().enumerate() {
+        let place = format!("patch[{number}]");
+        let (link, pose) = chain.frame(source, &format!("{place}.link"), &table.link)?;
+        let PatchTaxels { radius_m, grid, mut taxels } = patch_taxels(source, &place, table, &skin.layout)?;
         for taxel in &mut taxels {
             taxel.position_link = pose.transform_point(taxel.position_link);
             taxel.normal_link = pose.orientation * taxel.normal_link;
             taxel.tangent_link = pose.orientation * taxel.tangent_link;
         }
         let patch = Patch { name: table.name.clone(), link: chain.links[link].name.clone(), grid, taxels };
-        skin_fit::check(source, &offsets, &patch, &chain.links[link])?;
+        skin_fit::check(source, &place, &patch, &chain.links[link])?;
         skin.layout.patches.push(patch);
-        let gap_share = table.cylinder.as_ref().map_or(1.0, |cylinder| cylinder.get_ref().gap_share);
+        let gap_share = table.cylinder.as_ref().map_or(1.0, |cylinder| cylinder.gap_share);
         skin.surfaces.push(PatchSurface { link, radius_m, technology: table.technology, gap_share });
     }
     Ok(skin)
 }
 
-fn cylinder_taxels(source: &Source, table: &Spanned<CylinderTable>) -> Result<PatchTaxels, InputError> {
-    let start = table.span().start;
-    let table = table.get_ref();
-    let fault = |key: &str, found: String, allowed: &str| {
-        Err(source.fault_after(start, &format!("patch.cylinder.{key}"), found, allowed))
-    };
-    source.check_each(start, "patch.cylinder.row_0_m", &table.row_0_m, limits::PLACE_M)?;
+fn cylinder_taxels(source: &Source, place: &str, table: &CylinderTable) -> Result<PatchTaxels, InputError> {
+    let key = |key: &str| format!("{place}.{key}");
+    let fault = |own: &str, found: String, allowed: &str| Err(source.fault_at(&key(own), found, allowed));
+    source.check_each(&key("row_0_m"), &table.row_0_m, limits::PLACE_M)?;
     let row_0 = DVec3::from_array(table.row_0_m);
-    let axis = source.direction(start, "patch.cylinder.axis", table.axis)?;
-    let zero = source.direction(start, "patch.cylinder.zero_angle", table.zero_angle)?;
+    let axis = source.direction(&key("axis"), table.axis)?;
+    let zero = source.direction(&key("zero_angle"), table.zero_angle)?;
     // If it is closer to the axis than this, the direction across the axis would be mostly rounding error.
     let Some(zero) =
         Some(zero.reject_from_normalized(axis)).filter(|across| across.length() > 1e-3).and_then(DVec3::try_normalize)
     else {
         return fault("zero_angle", listed(&table.zero_angle), "a direction across the axis");
     };
-    source.check(start, "patch.cylinder.radius_m", table.radius_m, limits::RADIUS_M)?;
-    source.check(start, "patch.cylinder.row_pitch_m", table.row_pitch_m, limits::TAXEL_SIZE_M)?;
-    source.check(start, "patch.cylinder.taxel_size_m", table.taxel_size_m, limits::TAXEL_SIZE_M)?;
-    source.check(start, "patch.cylinder.gap_share", table.gap_share, limits::SHARE)?;
+    source.check(&key("radius_m"), table.radius_m, limits::RADIUS_M)?;
+    source.check(&key("row_pitch_m"), table.row_pitch_m, limits::TAXEL_SIZE_M)?;
+    source.check(&key("taxel_size_m"), table.taxel_size_m, limits::TAXEL_SIZE_M)?;
+    source.check(&key("gap_share"), table.gap_share, limits::SHARE)?;
     let columns = table.column_angles_deg.len();
     if !(1..=MAX_TAXELS / columns.max(1)).contains(&table.rows) {
         let allowed = format!("at least 1, and at most {MAX_TAXELS} taxels on all patches together");
         return fault("rows", format!("{} rows of {columns} taxels", table.rows), &allowed);
     }
-    source.check_each(start, "patch.cylinder.column_angles_deg", &table.column_angles_deg, limits::ANGLE_DEG)?;
+    source.check_each(&key("column_angles_deg"), &table.column_angles_deg, limits::ANGLE_DEG)?;
     let angles = &table.column_angles_deg;
     let (Some(first), Some(last)) = (angles.first(), angles.last()) else {
         return fault("column_angles_deg", "none".into(), "at least one angle");
@@ -279,42 +269,38 @@ fn cylinder_taxels(source: &Source, table: &Spanned<CylinderTable>) -> Result<Pa
     };
     let taxels: Vec<_> = (0..table.rows).flat_map(|row| angles.iter().map(move |angle| taxel(row, *angle))).collect();
     let grid = Some(Grid { rows: table.rows, columns: angles.len(), wraps: table.wraps });
-    Ok(PatchTaxels { radius_m: Some(table.radius_m), grid, offsets: vec![start; taxels.len()], taxels })
+    Ok(PatchTaxels { radius_m: Some(table.radius_m), grid, taxels })
 }
 
-fn point_taxels(source: &Source, table: &Spanned<PointsTable>) -> Result<PatchTaxels, InputError> {
-    let start = table.span().start;
-    let table = table.get_ref();
+fn point_taxels(source: &Source, place: &str, table: &PointsTable) -> Result<PatchTaxels, InputError> {
     let derived = table.derived_area_limits_m2;
     if let Some([min, max]) = derived {
-        source.check_each(start, "derived_area_limits_m2", &[min, max], limits::TAXEL_AREA_M2)?;
+        let field = format!("{place}.derived_area_limits_m2");
+        source.check_each(&field, &[min, max], limits::TAXEL_AREA_M2)?;
         if min > max {
-            let found = listed(&[min, max]);
-            return Err(source.fault_after(start, "derived_area_limits_m2", found, "two areas, the smaller first"));
+            return Err(source.fault_at(&field, listed(&[min, max]), "two areas, the smaller first"));
         }
     }
     if table.taxels.len() > MAX_TAXELS {
         let found = format!("{} taxels", table.taxels.len());
         let allowed = format!("at most {MAX_TAXELS} taxels on all patches together");
-        return Err(source.fault_after(start, "patch.points.taxels", found, allowed));
+        return Err(source.fault_at(&format!("{place}.taxels"), found, allowed));
     }
     let mut taxels = Vec::with_capacity(table.taxels.len());
-    for (number, entry) in table.taxels.iter().enumerate() {
-        let place = |key: &str| format!("patch.points.taxels[{number}].{key}");
-        let at = entry.span().start;
-        let given = entry.get_ref();
-        source.check_each(at, &place("position_m"), &given.position_m, limits::PLACE_M)?;
+    for (number, given) in table.taxels.iter().enumerate() {
+        let key = |key: &str| format!("{place}.taxels[{number}].{key}");
+        source.check_each(&key("position_m"), &given.position_m, limits::PLACE_M)?;
         let position_link = DVec3::from_array(given.position_m);
-        let normal_link = source.direction(at, &place("normal"), given.normal)?;
+        let normal_link = source.direction(&key("normal"), given.normal)?;
         let area_m2 = match (given.area_m2, derived) {
             (Some(area), _) => {
-                source.check(at, &place("area_m2"), area, limits::TAXEL_AREA_M2)?;
+                source.check(&key("area_m2"), area, limits::TAXEL_AREA_M2)?;
                 area
             }
             (None, Some([min, max])) => derived_area(&table.taxels, number, normal_link).clamp(min, max),
             (None, None) => {
                 let allowed = "an area, or derived_area_limits_m2 for the whole patch";
-                return Err(source.fault_after(at, &place("area_m2"), "none", allowed));
+                return Err(source.fault_at(&key("area_m2"), "none", allowed));
             }
         };
         // The tangent follows the link's z axis, or its x axis if z is the normal.
@@ -323,17 +309,16 @@ fn point_taxels(source: &Source, table: &Spanned<PointsTable>) -> Result<PatchTa
         let tangent_link = along.reject_from_normalized(normal_link).normalize();
         taxels.push(Taxel { position_link, normal_link, tangent_link, area_m2 });
     }
-    let offsets = table.taxels.iter().map(|taxel| taxel.span().start).collect();
-    Ok(PatchTaxels { radius_m: None, grid: None, taxels, offsets })
+    Ok(PatchTaxels { radius_m: None, grid: None, taxels })
 }
 
 /// The square of the distance to the nearest taxel that faces the same way (within 90°); infinite if there is none.
-fn derived_area(taxels: &[Spanned<TaxelTable>], number: usize, normal: DVec3) -> f64 {
-    let position = |taxel: &Spanned<TaxelTable>| DVec3::from_array(taxel.get_ref().position_m);
+fn derived_area(taxels: &[TaxelTable], number: usize, normal: DVec3) -> f64 {
+    let position = |taxel: &TaxelTable| DVec3::from_array(taxel.position_m);
     let neighbours = taxels
         .iter()
         .enumerate()
-        .filter(|(other, taxel)| *other != number && DVec3::from_array(taxel.get_ref().normal).dot(normal) > 0.0);
+        .filter(|(other, taxel)| *other != number && DVec3::from_array(taxel.normal).dot(normal) > 0.0);
     neighbours
         .map(|(_, taxel)| position(taxel).distance_squared(position(&taxels[number])))
         .fold(f64::INFINITY, f64::min)

@@ -36,18 +36,21 @@ impl Surface {
     }
 }
 
-/// Refuses a patch with taxels that cannot feel; `offsets` are the bytes of the file at which each taxel is described.
+/// Refuses a patch with taxels that cannot feel; `path` is that of the patch in the file.
 ///
 /// # Errors
 /// When the link has no collision shape, or a taxel faces into the link or is farther from its surface than a contact
 /// of this patch may be from its taxels.
-pub(super) fn check(source: &Source, offsets: &[usize], patch: &Patch, link: &Link) -> Result<(), InputError> {
+pub(super) fn check(source: &Source, path: &str, patch: &Patch, link: &Link) -> Result<(), InputError> {
     let surface = Surface::of(link);
     let fault = |taxel: usize, found: String, allowed: String| {
         let field = format!("patch {}, taxel {taxel}", patch.name);
         let remedy = "move the taxels onto the link's collision shapes, or give the link shapes that fit them";
-        let line = source.line(offsets.get(taxel).copied().unwrap_or(0));
-        Err(source.fault(field, found, allowed, remedy).at_line(line))
+        let described = match patch.grid {
+            Some(_) => format!("{path}.cylinder"),
+            None => format!("{path}.points.taxels[{taxel}]"),
+        };
+        Err(source.fault(field, found, allowed, remedy).at_line(source.line_setting(&described)))
     };
     if surface.0.is_empty() {
         let found = format!("link {} without a collision shape", link.name);

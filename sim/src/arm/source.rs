@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
-use underbrush_recording::{InputError, Limits, TEXT_BYTES, line_at, parse_toml, read_text, short};
+use underbrush_recording::{InputError, Limits, TEXT_BYTES, line_at, line_setting, parse_toml, read_text, short};
 
 use super::limits::DIRECTION;
 
@@ -54,53 +54,39 @@ impl Source {
         InputError::new(&self.path, field, found.to_string(), allowed, remedy)
     }
 
-    /// An error about `field`. Its line is the first one from byte `offset` on that sets the last part of the field, or
-    /// else the line of `offset` itself.
-    pub(super) fn fault_after(
-        &self,
-        offset: usize,
-        field: &str,
-        found: impl ToString,
-        allowed: impl Into<String>,
-    ) -> InputError {
+    /// An error about the field at this path of the TOML, such as `patch[1].link`, at the line that sets it.
+    pub(super) fn fault_at(&self, field: &str, found: impl ToString, allowed: impl Into<String>) -> InputError {
         let key = field.rsplit('.').next().unwrap_or(field);
-        let sets =
-            |line: &str| line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
-        let first = self.line(offset);
-        let line = (first..)
-            .zip(self.text.lines().skip(first - 1))
-            .find(|(_, line)| sets(line))
-            .map_or(first, |(number, _)| number);
         let remedy = format!("change `{key}` in {}", self.path.display());
-        self.fault(field, found, allowed, remedy).at_line(line)
+        self.fault(field, found, allowed, remedy).at_line(self.line_setting(field))
     }
 
-    /// Checks that a number at `field`, which stands after byte `offset`, is within its limits.
-    pub(super) fn check(&self, offset: usize, field: &str, value: f64, limits: Limits) -> Result<(), InputError> {
+    /// The line that sets the field at this path or, if it is not there, the closest table around it.
+    pub(super) fn line_setting(&self, field: &str) -> Option<usize> {
+        let mut around = std::iter::successors(Some(field), |own| Some(own.rsplit_once('.')?.0));
+        around.find_map(|own| line_setting(&self.text, own))
+    }
+
+    /// Checks that a number at `field` is within its limits.
+    pub(super) fn check(&self, field: &str, value: f64, limits: Limits) -> Result<(), InputError> {
         if limits.hold(value) {
             return Ok(());
         }
-        Err(self.fault_after(offset, field, short(value), limits.to_string()))
+        Err(self.fault_at(field, short(value), limits.to_string()))
     }
 
     /// As [`Source::check`], for a list of numbers.
-    pub(super) fn check_each(
-        &self,
-        offset: usize,
-        field: &str,
-        values: &[f64],
-        limits: Limits,
-    ) -> Result<(), InputError> {
+    pub(super) fn check_each(&self, field: &str, values: &[f64], limits: Limits) -> Result<(), InputError> {
         if values.iter().all(|value| limits.hold(*value)) {
             return Ok(());
         }
         let allowed = format!("numbers from {limits}");
-        Err(self.fault_after(offset, field, listed(values), allowed))
+        Err(self.fault_at(field, listed(values), allowed))
     }
 
     /// Normalizes the direction vector at `field`; an error if it is too short or too long.
-    pub(super) fn direction(&self, offset: usize, field: &str, vector: [f64; 3]) -> Result<DVec3, InputError> {
-        unit(vector).ok_or_else(|| self.fault_after(offset, field, listed(&vector), directions()))
+    pub(super) fn direction(&self, field: &str, vector: [f64; 3]) -> Result<DVec3, InputError> {
+        unit(vector).ok_or_else(|| self.fault_at(field, listed(&vector), directions()))
     }
 
     /// The line, counted from 1, that contains a byte.

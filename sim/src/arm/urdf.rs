@@ -46,17 +46,11 @@ impl Chain {
     }
 
     /// The link that the URDF's link `name` was merged into, and its pose in that link's frame. The name stands at `field`
-    /// of a file, after byte `offset`.
-    pub(super) fn frame(
-        &self,
-        source: &Source,
-        offset: usize,
-        field: &str,
-        name: &str,
-    ) -> Result<(usize, Pose), InputError> {
+    /// of a file.
+    pub(super) fn frame(&self, source: &Source, field: &str, name: &str) -> Result<(usize, Pose), InputError> {
         self.frames.get(name).copied().ok_or_else(|| {
             let names: Vec<&str> = self.frames.keys().map(String::as_str).collect();
-            source.fault_after(offset, field, name, format!("a link of the chain: {}", names.join(", ")))
+            source.fault_at(field, name, format!("a link of the chain: {}", names.join(", ")))
         })
     }
 }

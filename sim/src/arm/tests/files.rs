@@ -3,6 +3,8 @@ use std::path::Path;
 
 use proptest::prelude::*;
 
+use super::super::skin_file::read_layout;
+use super::super::source::Source;
 use super::super::{Arm, file};
 use super::{altered_cody, cody_file};
 
@@ -37,22 +39,22 @@ fn bad_values_are_refused_with_their_place() {
         ("cody.toml", "[-47.61, 120.0]", "[-47.61, 130.0]", "controller_limits_deg", "within the URDF"),
         ("cody.toml", "start_deg = 122.0", "start_deg = 150.0", "elbow_flexion.start_deg", "150"),
         ("cody.toml", "friction = 0.3", "friction = -0.3", "friction", "-0.3"),
-        ("cody.toml", "name = \"wrist_yaw\"", "name = \"wrist_roll\"", "joint.name", "wrist_roll"),
-        ("cody.toml", "name = \"wrist_yaw\"", "name = \"wrist_pitch\"", "joint.name", "wrist_pitch"),
+        ("cody.toml", "name = \"wrist_yaw\"", "name = \"wrist_roll\"", "joint[6].name", "wrist_roll"),
+        ("cody.toml", "name = \"wrist_yaw\"", "name = \"wrist_pitch\"", "joint[6].name", "wrist_pitch"),
         ("cody.toml", "tip_link = \"flipper_tip\"", "tip_link = \"hand\"", "tip_link", "hand"),
         ("cody.toml", "tip_link = \"flipper_tip\"", "tip_link = \"forearm\"", "tip_link", "flipper, flipper_tip"),
         ("cody.toml", "tip_link = \"flipper_tip\"", "tip_link = \"torso\"", "tip_link", "the last moving link"),
         ("cody.toml", "base_link = \"torso\"", "base_link = \"pelvis\"", "link pelvis", "no such link"),
         ("cody.toml", "base_link = \"torso\"", "base_link = \"flipper\"", "link flipper", "no moving joint"),
-        ("cody.toml", "link = \"flipper\"", "link = \"paddle\"", "hull.link", "paddle"),
+        ("cody.toml", "link = \"flipper\"", "link = \"paddle\"", "hull[0].link", "paddle"),
         ("cody.toml", "urdf = \"cody.urdf\"", "urdf = \"other.urdf\"", "file", "no such file"),
         ("cody.toml", "points_m = [\n", "points_m = []\nother = [\n", "TOML", "other"),
         ("cody.urdf", "<mass value=\"2.0036\"/>", "<mass value=\"-1\"/>", "link shoulder, inertial.mass", "-1"),
         ("cody.urdf", "<mass value=\"2.0036\"/>", "<mass value=\"0\"/>", "link shoulder, inertial", "no mass"),
         ("cody.urdf", "ixx=\"0.003056\"", "ixx=\"-0.003056\"", "link shoulder, inertial.inertia", "principal moments"),
         ("cody.urdf", "ixx=\"0.003056\"", "ixx=\"0.3\"", "link shoulder, inertial.inertia", "sum of the other two"),
-        ("cody.toml", "friction = 0.3", "friction = 0.3\n[[inertia]]\nlink = \"elbow\"\nentries_kg_m2 = [3, 0, 0, 1, 0, 1]", "inertia.entries_kg_m2", "sum of the other two"),
-        ("cody.toml", "friction = 0.3", "friction = 0.3\n[[inertia]]\nlink = \"paddle\"\nentries_kg_m2 = [1, 0, 0, 1, 0, 1]", "inertia.link", "paddle"),
+        ("cody.toml", "friction = 0.3", "friction = 0.3\n[[inertia]]\nlink = \"elbow\"\nentries_kg_m2 = [3, 0, 0, 1, 0, 1]", "inertia[0].entries_kg_m2", "sum of the other two"),
+        ("cody.toml", "friction = 0.3", "friction = 0.3\n[[inertia]]\nlink = \"paddle\"\nentries_kg_m2 = [1, 0, 0, 1, 0, 1]", "inertia[0].link", "paddle"),
         ("cody.urdf", "ixx=\"0.003056\"", "ixx=\"nan\"", "link shoulder, inertial.inertia", "NaN"),
         ("cody.urdf", "<axis xyz=\"0 -1 0\"/>", "<axis xyz=\"0 0 0\"/>", "joint shoulder_flexion, axis", "not all zero"),
         ("cody.urdf", "lower=\"-0.8310\"", "lower=\"3\"", "joint shoulder_flexion, limit", "lower below upper"),
@@ -79,9 +81,9 @@ fn bad_values_are_refused_with_their_place() {
         ("cody.urdf", "</robot>", "", "robot", ""),
         ("cody.skin.toml", "technology = \"fabric\"", "technology = \"wool\"", "TOML", "wool"),
         ("cody.skin.toml", "stiffness_n_per_m3 = 3e7", "stiffness_n_per_m3 = 0", "stiffness_n_per_m3", "0"),
-        ("cody.skin.toml", "link = \"forearm\"", "link = \"thigh\"", "patch.link", "thigh"),
-        ("cody.skin.toml", "name = \"flipper\"", "name = \"forearm\"", "patch.name", "forearm"),
-        ("cody.skin.toml", "name = \"flipper\"", "name = \"a/b\"", "patch.name", "without \"/\""),
+        ("cody.skin.toml", "link = \"forearm\"", "link = \"thigh\"", "patch[0].link", "thigh"),
+        ("cody.skin.toml", "name = \"flipper\"", "name = \"forearm\"", "patch[1].name", "forearm"),
+        ("cody.skin.toml", "name = \"flipper\"", "name = \"a/b\"", "patch[1].name", "without \"/\""),
         ("cody.skin.toml", "axis = [0.0, 0.0, -1.0]", "axis = [0.0, 0.0, 0.0]", "cylinder.axis", "not all zero"),
         ("cody.skin.toml", "zero_angle = [1.0, 0.0, 0.0]", "zero_angle = [0.0, 0.0, 1.0]", "zero_angle", "across the axis"),
         ("cody.skin.toml", "radius_m = 0.04604", "radius_m = nan", "radius_m", "NaN"),
@@ -127,6 +129,31 @@ fn errors_name_the_line() {
         assert_eq!(error.line, Some(line), "{error}");
         assert_eq!(error.file, Path::new(name));
     }
+}
+
+/// Tests that an error about a key of an inline table is at the line of that table, and not at that of a later patch with this
+/// key.
+#[test]
+fn errors_name_the_line_of_an_inline_table() {
+    let keys = [
+        "row_0_m = [0, 0, 0]",
+        "axis = [0, 0, 1]",
+        "zero_angle = [1, 0, 0]",
+        "radius_m = 0.05",
+        "rows = 1",
+        "row_pitch_m = 0.01",
+        "taxel_size_m = 0.009",
+        "wraps = false",
+        "column_angles_deg = [0]",
+    ];
+    let inline = keys.join(", ").replace("0.05", "99.0");
+    let text = format!(
+        "stiffness_n_per_m3 = 3e7\n[[patch]]\nname = \"one\"\nlink = \"rod\"\ncylinder = {{ {inline} }}\n\
+         [[patch]]\nname = \"two\"\nlink = \"rod\"\n[patch.cylinder]\n{}\n",
+        keys.join("\n")
+    );
+    let error = read_layout(&Source { path: "rod.skin.toml".into(), text }).unwrap_err();
+    assert_eq!((error.field.as_str(), error.line), ("patch[0].cylinder.radius_m", Some(5)), "{error}");
 }
 
 /// Tests that a fault in a URDF is reported with the line of its element, also for tags that span several lines and for
