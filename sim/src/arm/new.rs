@@ -260,8 +260,7 @@ impl<'a> Tree<'a> {
                 let filename = text(mesh, "filename");
                 let pose = origin_pose(child(part, "origin"));
                 let scale = DVec3::from_array(numbers(Some(mesh), "scale").unwrap_or([1.0; 3]));
-                let line = elements.line("link", name, kind);
-                let path = find_mesh(new, filename, line)?;
+                let path = find_mesh(new, filename, elements.line_of(part))?;
                 let placed = |corner: DVec3| pose.transform_point(corner * scale);
                 let triangles: Vec<_> = read_triangles(&path)?.into_iter().map(|own| own.map(placed)).collect();
                 let found = hulls(&triangles, new.hulls_per_mesh);
@@ -293,7 +292,7 @@ impl<'a> Tree<'a> {
 
 /// The file of a mesh: `package://NAME/…` in the folder given for the package, or in one of that name around the URDF; other
 /// names are relative to the URDF.
-fn find_mesh(new: &NewArm, filename: &str, line: Option<usize>) -> Result<PathBuf, InputError> {
+fn find_mesh(new: &NewArm, filename: &str, line: usize) -> Result<PathBuf, InputError> {
     let folder = new.urdf.parent().unwrap_or(Path::new(""));
     let mut places = Vec::new();
     match filename.strip_prefix("package://").map(|rest| rest.split_once('/').unwrap_or((rest, ""))) {

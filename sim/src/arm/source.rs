@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
-use underbrush_recording::{InputError, Limits, TEXT_BYTES, line_at, line_setting, parse_toml, read_text, short};
+use underbrush_recording::{InputError, Limits, TEXT_BYTES, line_setting, parse_toml, read_text, short};
 
 use super::limits::DIRECTION;
 
@@ -87,10 +87,5 @@ impl Source {
     /// Normalizes the direction vector at `field`; an error if it is too short or too long.
     pub(super) fn direction(&self, field: &str, vector: [f64; 3]) -> Result<DVec3, InputError> {
         unit(vector).ok_or_else(|| self.fault_at(field, listed(&vector), directions()))
-    }
-
-    /// The line, counted from 1, that contains a byte.
-    pub(super) fn line(&self, offset: usize) -> usize {
-        line_at(&self.text, offset)
     }
 }

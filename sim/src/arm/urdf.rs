@@ -1,7 +1,6 @@
 //! Reads a URDF as a serial chain of rigid links. Links that are connected by fixed joints are merged into one.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Display;
 
 use glam::{DMat3, DQuat, DVec3, EulerRot};
 use underbrush_recording::limits::{first_outside, short};
@@ -10,7 +9,7 @@ use underbrush_recording::{BodyShape, InputError, PLAIN, Pose, is_plain};
 use super::inertia::{self, Entries};
 use super::limits::{self, MAX_JOINTS};
 use super::source::{Source, directions, listed, unit};
-use super::urdf_text::{Element, Elements, SHAPES, attribute, named, number, numbers};
+use super::urdf_text::{Element, Elements, REMEDY, SHAPES, attribute, named, number, numbers};
 use super::{Link, LinkCollider};
 
 /// A chain as described by a URDF.
@@ -65,14 +64,12 @@ pub(super) struct ChainJoint {
     pub(super) velocity_limit_rad_per_s: f64,
 }
 
-const REMEDY: &str = "correct the URDF";
 const NO_LOOP: &str = "each link once, from the base to the end effector";
 
 /// Reads the chain that starts at `base`.
 pub(super) fn read_chain(source: &Source, base: &str, said: &Said) -> Result<Chain, InputError> {
     let elements = Elements::read(source)?;
     let reader = Reader {
-        source,
         elements: &elements,
         links: elements.of_kind("link").map(|link| (text(link, "name"), link)).collect(),
         joints: elements.of_kind("joint").map(Joint::of).collect(),
@@ -81,36 +78,39 @@ pub(super) fn read_chain(source: &Source, base: &str, said: &Said) -> Result<Cha
     reader.check_names()?;
     let mut chain =
         Chain { links: Vec::new(), joints: Vec::new(), frames: BTreeMap::new(), held: reader.held_joints()? };
+    let Some(base) = reader.links.get(base).copied() else {
+        let field = format!("link {base}, name");
+        return Err(source.fault(field, "no such link", "the name of a link of this URDF", REMEDY));
+    };
     let mut root = base;
     loop {
         let frames = reader.rigid_group(root)?;
         let joint = reader.next_joint(&frames)?;
         let link = reader.join(&frames, chain.links.is_empty())?;
-        for (name, pose) in &frames {
-            if chain.frames.insert((*name).to_string(), (chain.links.len(), *pose)).is_some() {
-                return Err(reader.link_fault(name, "", "a loop", NO_LOOP));
+        for (part, pose) in &frames {
+            if chain.frames.insert(text(*part, "name").to_owned(), (chain.links.len(), *pose)).is_some() {
+                return Err(elements.fault(*part, "", "a loop", NO_LOOP));
             }
         }
         chain.links.push(link);
         let Some((joint, origin_parent)) = joint else { break };
         if chain.joints.len() == MAX_JOINTS {
             let allowed = format!("at most {MAX_JOINTS} moving joints");
-            return Err(reader.joint_fault(&joint, "", "one more moving joint", &allowed));
+            return Err(elements.fault(joint.element, "", "one more moving joint", &allowed));
         }
         chain.joints.push(reader.joint(&joint, origin_parent)?);
-        root = joint.child;
+        root = reader.links[joint.child];
     }
     if chain.joints.is_empty() {
-        return Err(reader.link_fault(base, "", "no moving joint on it", "the base link of the arm"));
+        return Err(elements.fault(base, "", "no moving joint on it", "the base link of the arm"));
     }
     Ok(chain)
 }
 
 struct Reader<'a> {
-    source: &'a Source,
     elements: &'a Elements<'a>,
-    /// The links, each with its name.
-    links: Vec<(&'a str, Element<'a>)>,
+    /// The links, by name.
+    links: BTreeMap<&'a str, Element<'a>>,
     joints: Vec<Joint<'a>>,
     said: &'a Said,
 }
@@ -166,36 +166,38 @@ pub(super) fn origin_pose(origin: Option<Element>) -> Pose {
 }
 
 /// Rigidly connected URDF links with their poses in the first one's frame.
-type RigidGroup<'a> = Vec<(&'a str, Pose)>;
+type RigidGroup<'a> = Vec<(Element<'a>, Pose)>;
 
 impl<'a> Reader<'a> {
     fn check_names(&self) -> Result<(), InputError> {
         let mut links = BTreeSet::new();
-        for (link, _) in &self.links {
-            if !links.insert(*link) {
-                return Err(self.link_fault(link, "name", "a second link of this name", "unique names"));
+        for link in self.elements.of_kind("link") {
+            let name = text(link, "name");
+            if !links.insert(name) {
+                return Err(self.elements.fault(link, "name", "a second link of this name", "unique names"));
             }
-            if !is_plain(link) {
-                return Err(self.link_fault(link, "name", format_args!("{link:?}"), PLAIN));
+            if !is_plain(name) {
+                return Err(self.elements.fault(link, "name", format_args!("{name:?}"), PLAIN));
             }
         }
         let mut joints = BTreeSet::new();
         let mut children = BTreeSet::new();
         for joint in &self.joints {
+            let fault = |key: &str, found: &str, allowed: &str| self.elements.fault(joint.element, key, found, allowed);
             if !joints.insert(joint.name) {
-                return Err(self.joint_fault(joint, "name", "a second joint of this name", "unique names"));
+                return Err(fault("name", "a second joint of this name", "unique names"));
             }
             if !is_plain(joint.name) {
-                return Err(self.joint_fault(joint, "name", format_args!("{:?}", joint.name), PLAIN));
+                return Err(fault("name", &format!("{:?}", joint.name), PLAIN));
             }
             for (end, link) in [("parent", joint.parent), ("child", joint.child)] {
                 if !links.contains(link) {
-                    return Err(self.joint_fault(joint, end, link, "the name of a link of this URDF"));
+                    return Err(fault(end, link, "the name of a link of this URDF"));
                 }
             }
             if !children.insert(joint.child) {
                 let found = format!("{}, which another joint carries already", joint.child);
-                return Err(self.joint_fault(joint, "child", found, "one parent for each link"));
+                return Err(fault("child", &found, "one parent for each link"));
             }
         }
         Ok(())
@@ -206,15 +208,17 @@ impl<'a> Reader<'a> {
     }
 
     /// All links that fixed joints connect to `root`.
-    fn rigid_group(&self, root: &'a str) -> Result<RigidGroup<'a>, InputError> {
+    fn rigid_group(&self, root: Element<'a>) -> Result<RigidGroup<'a>, InputError> {
         let mut frames = vec![(root, Pose::IDENTITY)];
         let mut next = 0;
         while let Some((parent, pose)) = frames.get(next).copied() {
-            for joint in self.joints.iter().filter(|joint| self.is_fixed(joint) && joint.parent == parent) {
-                if frames.iter().any(|(name, _)| *name == joint.child) {
-                    return Err(self.joint_fault(joint, "child", "a loop", NO_LOOP));
+            let carried = |joint: &&Joint| self.is_fixed(joint) && joint.parent == text(parent, "name");
+            for joint in self.joints.iter().filter(carried) {
+                let child = self.links[joint.child];
+                if frames.iter().any(|(part, _)| *part == child) {
+                    return Err(self.elements.fault(joint.element, "child", "a loop", NO_LOOP));
                 }
-                frames.push((joint.child, pose * self.joint_origin(joint)?));
+                frames.push((child, pose * self.joint_origin(joint)?));
             }
             next += 1;
         }
@@ -225,13 +229,13 @@ impl<'a> Reader<'a> {
     fn next_joint(&self, frames: &RigidGroup<'a>) -> Result<Option<(Joint<'a>, Pose)>, InputError> {
         let mut next: Option<(Joint, Pose)> = None;
         for joint in self.joints.iter().filter(|joint| !self.is_fixed(joint)) {
-            let Some((_, pose)) = frames.iter().find(|(name, _)| *name == joint.parent) else {
+            let Some((_, pose)) = frames.iter().find(|(part, _)| text(*part, "name") == joint.parent) else {
                 continue;
             };
             if let Some((other, _)) = next {
                 let found = format!("{} and {} on the same rigid link", other.name, joint.name);
                 let allowed = "a serial chain (hold the joints of side branches by [[held]] in the arm's TOML file)";
-                return Err(self.joint_fault(joint, "parent", found, allowed));
+                return Err(self.elements.fault(joint.element, "parent", found, allowed));
             }
             next = Some((*joint, *pose * self.joint_origin(joint)?));
         }
@@ -240,7 +244,7 @@ impl<'a> Reader<'a> {
 
     /// Pose of a joint's child in its parent at angle 0, or where the joint is held.
     fn joint_origin(&self, joint: &Joint) -> Result<Pose, InputError> {
-        let origin = self.pose("joint", joint.name, "origin", child(joint.element, "origin"))?;
+        let origin = self.pose(child(joint.element, "origin"))?;
         let Some(place) = self.said.held.get(joint.name).filter(|_| joint.moves()) else { return Ok(origin) };
         let axis = self.axis(joint)?;
         Ok(origin
@@ -252,7 +256,7 @@ impl<'a> Reader<'a> {
 
     fn axis(&self, joint: &Joint) -> Result<DVec3, InputError> {
         let axis = numbers(child(joint.element, "axis"), "xyz").unwrap_or([1.0, 0.0, 0.0]);
-        unit(axis).ok_or_else(|| self.joint_fault(joint, "axis", listed(&axis), &directions()))
+        unit(axis).ok_or_else(|| self.elements.fault(joint.element, "axis", listed(&axis), &directions()))
     }
 
     /// The joints that are held, each with whether it turns.
@@ -261,41 +265,45 @@ impl<'a> Reader<'a> {
         held.map(|joint| match joint.kind {
             "revolute" | "continuous" => Ok((joint.name.to_owned(), true)),
             "prismatic" => Ok((joint.name.to_owned(), false)),
-            other => Err(self.joint_fault(joint, "type", other, "revolute, continuous or prismatic, to be held")),
+            other => {
+                let allowed = "revolute, continuous or prismatic, to be held";
+                Err(self.elements.fault(joint.element, "type", other, allowed))
+            }
         })
         .collect()
     }
 
     fn joint(&self, joint: &Joint, origin_parent: Pose) -> Result<ChainJoint, InputError> {
-        let limit = |key| number(child(joint.element, "limit"), key);
-        let [lower, upper, effort, velocity] = ["lower", "upper", "effort", "velocity"].map(limit);
-        if matches!(joint.kind, "revolute" | "continuous") && child(joint.element, "limit").is_none() {
+        let fault = |key: &str, found: &str, allowed: &str| self.elements.fault(joint.element, key, found, allowed);
+        let limit = child(joint.element, "limit");
+        let [lower, upper, effort, velocity] = ["lower", "upper", "effort", "velocity"].map(|key| number(limit, key));
+        if matches!(joint.kind, "revolute" | "continuous") && limit.is_none() {
             let allowed = "a <limit> with effort and velocity and, of a revolute joint, lower and upper";
-            return Err(self.joint_fault(joint, "", "no <limit>", allowed));
+            return Err(fault("", "no <limit>", allowed));
         }
         let limits_rad = match joint.kind {
             "revolute" => [lower, upper],
             "continuous" => [f64::NEG_INFINITY, f64::INFINITY],
             other => {
                 let allowed = "revolute, continuous or fixed (or hold it by [[held]] in the arm's TOML file)";
-                return Err(self.joint_fault(joint, "type", other, allowed));
+                return Err(fault("type", other, allowed));
             }
         };
         if child(joint.element, "mimic").is_some() {
-            return Err(self.joint_fault(joint, "mimic", "a coupled joint", "independent joints"));
+            return Err(fault("mimic", "a coupled joint", "independent joints"));
         }
         let values = [
-            ("limit.lower", lower, limits::ANGLE_RAD),
-            ("limit.upper", upper, limits::ANGLE_RAD),
-            ("limit.effort", effort, limits::TORQUE_NM),
-            ("limit.velocity", velocity, limits::SPEED_RAD_PER_S),
+            ("lower", lower, limits::ANGLE_RAD),
+            ("upper", upper, limits::ANGLE_RAD),
+            ("effort", effort, limits::TORQUE_NM),
+            ("velocity", velocity, limits::SPEED_RAD_PER_S),
         ];
-        if let Some((field, found, allowed)) = first_outside(values) {
-            return Err(self.joint_fault(joint, field, found, &allowed));
+        if let Some((key, found, allowed)) = first_outside(values) {
+            return Err(self.elements.fault(limit.unwrap_or(joint.element), key, found, &allowed));
         }
         if limits_rad[0] >= limits_rad[1] {
             let found = format!("{} to {}", limits_rad[0], limits_rad[1]);
-            return Err(self.joint_fault(joint, "limit", found, "lower below upper, rad"));
+            return Err(fault("limit", &found, "lower below upper, rad"));
         }
         Ok(ChainJoint {
             name: joint.name.to_owned(),
@@ -309,42 +317,33 @@ impl<'a> Reader<'a> {
 
     /// Merges a rigid group into one link. Only the base may have no inertia, because it does not move.
     fn join(&self, frames: &RigidGroup<'a>, is_base: bool) -> Result<Link, InputError> {
-        let name = frames.first().map_or("", |(name, _)| *name);
+        let (root, _) = frames[0];
         let mut parts = Vec::new();
         let mut colliders = Vec::new();
-        for (part, pose) in frames {
-            let Some((_, link)) = self.links.iter().find(|(name, _)| name == part) else {
-                return Err(self.link_fault(part, "name", "no such link", "the name of a link of this URDF"));
-            };
+        for (link, pose) in frames {
             if let Some(inertial) = child(*link, "inertial") {
                 let mass = number(child(inertial, "mass"), "value");
                 if !limits::MASS_KG.hold(mass) {
-                    return Err(self.link_fault(part, "inertial.mass", short(mass), &limits::MASS_KG.to_string()));
+                    return Err(self.elements.fault(inertial, "mass", short(mass), &limits::MASS_KG.to_string()));
                 }
                 if mass > 0.0 {
-                    let origin = child(inertial, "origin");
-                    let frame = *pose * self.pose("link", part, "inertial.origin", origin)?;
-                    let inertia = self.inertia(part, child(inertial, "inertia"), frame.orientation)?;
+                    let frame = *pose * self.pose(child(inertial, "origin"))?;
+                    let inertia = self.inertia(*link, inertial, frame.orientation)?;
                     parts.push((mass, frame.position, inertia));
                 }
             }
-            for (number, collision) in named(*link, &["collision"]).enumerate() {
-                if self.said.hulled.contains(*part) && mesh(collision).is_some() {
+            for collision in named(*link, &["collision"]) {
+                if self.said.hulled.contains(text(*link, "name")) && mesh(collision).is_some() {
                     continue;
                 }
-                let place = match number {
-                    0 => "collision".to_string(),
-                    _ => format!("collision[{number}]"),
-                };
-                let origin = child(collision, "origin");
-                let frame = self.pose("link", part, &format!("{place}.origin"), origin)?;
-                colliders.extend(LinkCollider::new(self.shape(part, &place, collision)?, *pose * frame));
+                let frame = self.pose(child(collision, "origin"))?;
+                colliders.extend(LinkCollider::new(self.shape(collision)?, *pose * frame));
             }
         }
         let mass_kg: f64 = parts.iter().map(|(mass, ..)| mass).sum();
         if mass_kg <= 0.0 && !is_base {
             let allowed = "an <inertial> with a positive mass, because the link moves";
-            return Err(self.link_fault(name, "inertial", "no mass", allowed));
+            return Err(self.elements.fault(root, "inertial", "no mass", allowed));
         }
         let center = parts.iter().map(|(mass, center, _)| *center * *mass).sum::<DVec3>() / mass_kg;
         let center_of_mass_link = if parts.is_empty() { DVec3::ZERO } else { center };
@@ -355,30 +354,32 @@ impl<'a> Reader<'a> {
             let outer = DMat3::from_cols(r * r.x, r * r.y, r * r.z);
             inertia_link += *inertia + (DMat3::IDENTITY * r.length_squared() - outer) * *mass;
         }
-        let joined = frames.iter().skip(1).map(|(name, _)| (*name).to_owned()).collect();
-        Ok(Link { name: name.to_string(), joined, mass_kg, center_of_mass_link, inertia_link, colliders })
+        let mut names = frames.iter().map(|(link, _)| text(*link, "name").to_owned());
+        let name = names.next().unwrap_or_default();
+        Ok(Link { name, joined: names.collect(), mass_kg, center_of_mass_link, inertia_link, colliders })
     }
 
-    /// The inertia about the centre of mass, rotated by `rotation`.
-    fn inertia(&self, link: &str, given: Option<Element>, rotation: DQuat) -> Result<DMat3, InputError> {
-        let entries = self.said.inertia.get(link).copied().unwrap_or_else(|| inertia::entries(given));
+    /// The inertia of a link about the centre of mass, rotated by `rotation`.
+    fn inertia(&self, link: Element, inertial: Element, rotation: DQuat) -> Result<DMat3, InputError> {
+        let said = self.said.inertia.get(text(link, "name")).copied();
+        let entries = said.unwrap_or_else(|| inertia::entries(child(inertial, "inertia")));
         let [xx, xy, xz, yy, yz, zz] = entries;
         let entry = limits::INERTIA_ENTRY_KG_M2;
         if entries.iter().any(|value| !entry.hold(*value)) {
             let allowed = format!("numbers from {entry}");
-            return Err(self.link_fault(link, "inertial.inertia", listed(&entries), &allowed));
+            return Err(self.elements.fault(inertial, "inertia", listed(&entries), &allowed));
         }
         if let Some((found, allowed)) = inertia::fault(entries) {
             let allowed =
                 format!("{allowed} (or [[inertia]] in the arm's TOML file, which `underbrush arm new` writes)");
-            return Err(self.link_fault(link, "inertial.inertia", found, &allowed));
+            return Err(self.elements.fault(inertial, "inertia", found, &allowed));
         }
         let rotation = DMat3::from_quat(rotation);
         let matrix = DMat3::from_cols(DVec3::new(xx, xy, xz), DVec3::new(xy, yy, yz), DVec3::new(xz, yz, zz));
         Ok(rotation * matrix * rotation.transpose())
     }
 
-    fn shape(&self, link: &str, place: &str, collision: Element) -> Result<BodyShape, InputError> {
+    fn shape(&self, collision: Element) -> Result<BodyShape, InputError> {
         let geometry = child(collision, "geometry");
         let shape = geometry.and_then(|geometry| named(geometry, SHAPES).next());
         let [radius_m, length_m] = ["radius", "length"].map(|key| number(shape, key));
@@ -395,39 +396,25 @@ impl<'a> Reader<'a> {
                 let allowed = "box, cylinder, capsule or sphere; or [[hull]] for this link in the arm's TOML file, in place of \
                                its meshes (`underbrush arm new` makes them)";
                 let filename = shape.map_or("", |mesh| text(mesh, "filename"));
-                return Err(self.link_fault(link, &format!("{place}.geometry"), format!("mesh {filename}"), allowed));
+                return Err(self.elements.fault(collision, "geometry", format!("mesh {filename}"), allowed));
             }
         };
         if sizes.iter().any(|size| !limits::SIZE_M.hold(*size)) {
             let allowed = format!("sizes of {}", limits::SIZE_M);
-            return Err(self.link_fault(link, &format!("{place}.geometry"), listed(&sizes), &allowed));
+            return Err(self.elements.fault(collision, "geometry", listed(&sizes), &allowed));
         }
         Ok(shape)
     }
 
-    fn pose(&self, owner: &str, name: &str, field: &str, origin: Option<Element>) -> Result<Pose, InputError> {
-        let [xyz, rpy]: [[f64; 3]; 2] = ["xyz", "rpy"].map(|key| numbers(origin, key).unwrap_or_default());
-        for (key, numbers, limits) in [("xyz", xyz, limits::PLACE_M), ("rpy", rpy, limits::ANGLE_RAD)] {
-            if numbers.iter().any(|number| !limits.hold(*number)) {
-                let found = format!("{key} {}", listed(&numbers));
-                return Err(self.fault(owner, name, field, found, &format!("numbers from {limits}")));
+    /// The pose that an `<origin>` gives.
+    fn pose(&self, origin: Option<Element>) -> Result<Pose, InputError> {
+        for (key, limits) in [("xyz", limits::PLACE_M), ("rpy", limits::ANGLE_RAD)] {
+            let given: Option<(Element, [f64; 3])> = origin.zip(numbers(origin, key));
+            if let Some((origin, given)) = given.filter(|(_, own)| own.iter().any(|number| !limits.hold(*number))) {
+                let found = format!("{key} {}", listed(&given));
+                return Err(self.elements.fault(origin, "", found, &format!("numbers from {limits}")));
             }
         }
         Ok(origin_pose(origin))
-    }
-
-    fn link_fault(&self, link: &str, field: &str, found: impl Display, allowed: &str) -> InputError {
-        self.fault("link", link, field, found, allowed)
-    }
-
-    fn joint_fault(&self, joint: &Joint, field: &str, found: impl Display, allowed: &str) -> InputError {
-        self.fault("joint", joint.name, field, found, allowed)
-    }
-
-    fn fault(&self, element: &str, name: &str, field: &str, found: impl Display, allowed: &str) -> InputError {
-        let place = format!("{element} {name}");
-        let place = if field.is_empty() { place } else { format!("{place}, {field}") };
-        let line = self.elements.line(element, name, field);
-        self.source.fault(place, found, allowed, REMEDY).at_line(line)
     }
 }

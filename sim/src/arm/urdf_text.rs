@@ -1,8 +1,10 @@
 //! Reads the elements of a URDF and checks them one by one: types of attributes, missing and repeated elements, missing
 //! attributes, and nesting depth. Each error names the element and its line.
 
+use std::fmt::Display;
+
 use roxmltree::{Document, Error, Node, ParsingOptions};
-use underbrush_recording::{InputError, short};
+use underbrush_recording::{InputError, line_at, short};
 
 use super::limits::{MAX_ELEMENTS, MAX_NESTED_ELEMENTS};
 use super::source::Source;
@@ -76,7 +78,8 @@ const CHILDREN: &[(&str, &[&str], bool)] = &[
 /// The elements that give the shape of a geometry.
 pub(super) const SHAPES: &[&str] = &["box", "cylinder", "capsule", "sphere", "mesh"];
 
-const REMEDY: &str = "correct the element";
+/// What to do about a fault.
+pub(super) const REMEDY: &str = "correct the URDF";
 
 /// An element of the file.
 pub(super) type Element<'a> = Node<'a, 'a>;
@@ -107,27 +110,10 @@ impl<'a> Elements<'a> {
         // Elements outside links and joints (transmissions, extensions of simulators) are not read.
         for owner in elements.owners() {
             for element in owner.descendants().filter(Node::is_element) {
-                elements.check(owner, element)?;
+                elements.check(element)?;
             }
         }
         Ok(elements)
-    }
-
-    /// The line of the element at `path`, such as `inertial.mass`, in the link or joint called `name`. If there is no
-    /// such element, the line of the closest element around it.
-    pub(super) fn line(&self, kind: &str, name: &str, path: &str) -> Option<usize> {
-        let mut owners = self.owners();
-        let mut element =
-            owners.find(|owner| owner.tag_name().name() == kind && attribute(*owner, "name") == Some(name))?;
-        for part in path.split('.') {
-            let (name, number) = part.trim_end_matches(']').split_once('[').unwrap_or((part, "0"));
-            let mut twins = children(element).filter(|child| child.tag_name().name() == name);
-            match number.parse().ok().and_then(|number| twins.nth(number)) {
-                Some(inner) => element = inner,
-                None => break,
-            }
-        }
-        Some(self.line_of(element))
     }
 
     /// The links, or the joints.
@@ -142,21 +128,23 @@ impl<'a> Elements<'a> {
     }
 
     fn check_size(&self) -> Result<(), InputError> {
+        let fault = |element, found: String, allowed| {
+            Err(self.source.fault("robot", found, allowed, REMEDY).at_line(self.line_of(element)))
+        };
         let elements = self.document.descendants().filter(Node::is_element);
         for (index, element) in elements.enumerate() {
             if index == MAX_ELEMENTS {
-                let found = format!("more than {MAX_ELEMENTS} elements");
-                return Err(self.fault("robot", found, "a robot", element));
+                return fault(element, format!("more than {MAX_ELEMENTS} elements"), "a robot");
             }
             if element.ancestors().filter(Node::is_element).count() > MAX_NESTED_ELEMENTS {
                 let found = format!("more than {MAX_NESTED_ELEMENTS} nested elements");
-                return Err(self.fault("robot", found, "robot, link, collision, geometry, shape", element));
+                return fault(element, found, "robot, link, collision, geometry, shape");
             }
         }
         Ok(())
     }
 
-    fn check(&self, owner: Node, element: Node) -> Result<(), InputError> {
+    fn check(&self, element: Node) -> Result<(), InputError> {
         let name = element.tag_name().name();
         for (_, key, holds, is_required) in ATTRIBUTES.iter().filter(|(element, ..)| *element == name) {
             let found = match attribute(element, key) {
@@ -164,7 +152,7 @@ impl<'a> Elements<'a> {
                 Some(value) if !holds.fits(value) => format!("{value:?}"),
                 _ => continue,
             };
-            return Err(self.fault(&place(owner, element, key), found, &holds.allowed(), element));
+            return Err(self.fault(element, key, found, &holds.allowed()));
         }
         for (_, wanted, is_required) in CHILDREN.iter().filter(|(element, ..)| *element == name) {
             let count = children(element).filter(|child| wanted.contains(&child.tag_name().name())).count();
@@ -172,19 +160,23 @@ impl<'a> Elements<'a> {
                 let number = if count == 0 { "no".into() } else { count.to_string() };
                 let found = format!("{number} <{}>", wanted.join("> or <"));
                 let allowed = format!("one in each <{name}>");
-                return Err(self.fault(&place(owner, element, ""), found, &allowed, element));
+                return Err(self.fault(element, "", found, &allowed));
             }
         }
         Ok(())
     }
 
-    fn fault(&self, field: &str, found: String, allowed: &str, element: Node) -> InputError {
-        let fault = self.source.fault(field, found, allowed, REMEDY);
-        fault.at_line(self.line_of(element))
+    /// An error about an attribute or a child of an element or, without a key, about the element itself. Its line is that of the
+    /// child, if there is one, or of the element.
+    pub(super) fn fault(&self, element: Node, key: &str, found: impl Display, allowed: &str) -> InputError {
+        let child = children(element).find(|child| child.tag_name().name() == key);
+        let fault = self.source.fault(place(element, key), found, allowed, REMEDY);
+        fault.at_line(self.line_of(child.unwrap_or(element)))
     }
 
-    fn line_of(&self, element: Node) -> usize {
-        self.source.line(element.range().start)
+    /// The line at which an element begins.
+    pub(super) fn line_of(&self, element: Node) -> usize {
+        line_at(&self.source.text, element.range().start)
     }
 }
 
@@ -229,7 +221,9 @@ fn part_name(element: Node) -> String {
 }
 
 /// How errors name an attribute of an element in a link or joint, such as `link forearm, inertial.mass.value`.
-fn place(owner: Node, element: Node, key: &str) -> String {
+fn place(element: Node, key: &str) -> String {
+    let in_robot = element.ancestors().take_while(|around| around.parent_element().is_some());
+    let owner = in_robot.last().unwrap_or(element);
     let around = element.ancestors().take_while(|around| *around != owner);
     let mut parts: Vec<String> = around.map(part_name).collect();
     parts.reverse();

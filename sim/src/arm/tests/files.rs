@@ -3,6 +3,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 
+use super::super::new::{NewArm, new_files};
 use super::super::skin_file::read_layout;
 use super::super::source::Source;
 use super::super::{Arm, file};
@@ -174,6 +175,27 @@ fn urdf_faults_name_the_line_of_the_element() {
         let error = altered_cody("cody.urdf", from, to).unwrap_err();
         assert_eq!(error.line, Some(line + below), "{error}");
     }
+}
+
+/// Tests that a mesh that is not there is reported with the line of its own element, and not with that of the link's first one.
+#[test]
+fn a_missing_mesh_has_its_own_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = |mesh: &str| format!("<collision><geometry><mesh filename=\"{mesh}\"/></geometry></collision>\n");
+    let urdf = format!(
+        "<robot name=\"rod\"><link name=\"base\"/>\n<link name=\"rod\">\n{}{}</link>\n\
+         <joint name=\"hinge\" type=\"revolute\"><parent link=\"base\"/><child link=\"rod\"/><axis xyz=\"0 0 1\"/>\
+         <limit lower=\"-1\" upper=\"1\" effort=\"10\" velocity=\"1\"/></joint></robot>",
+        part("one.obj"),
+        part("two.obj")
+    );
+    let [urdf_path, mesh, out] = ["rod.urdf", "one.obj", "rod.toml"].map(|name| folder.path().join(name));
+    fs::write(&urdf_path, urdf).unwrap();
+    let corners = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\n";
+    fs::write(mesh, format!("{corners}f 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n")).unwrap();
+    let new = NewArm { urdf: urdf_path, out, tip_link: "rod".into(), hulls_per_mesh: 1, ..NewArm::default() };
+    let error = new_files(&new).unwrap_err();
+    assert!(error.found.starts_with("two.obj") && error.line == Some(4), "{error}");
 }
 
 /// Tests that a URDF with many nested elements is refused with its line and does not overflow the stack.
