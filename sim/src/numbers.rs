@@ -1,20 +1,23 @@
 //! Options that a file may set. Each is declared once, with its default and, if it is a number, its limits.
 
-use schemars::Schema;
 use underbrush_recording::Limits;
 
 /// A number with its key and its limits.
 pub(crate) type Number = (&'static str, f64, Limits);
 
 /// Declares options: `key: type = default;`, or `key: type = default, limits;` for a number within limits. Makes the struct,
-/// its defaults, and the list of its numbers.
+/// with the limits in its schema, its defaults, and the list of its numbers.
 macro_rules! options {
     ($(#[$attribute:meta])* pub struct $options:ident {
         $($(#[$of_field:meta])* $name:ident: $type:ty = $default:expr $(, $limits:expr)?;)+
     }) => {
         $(#[$attribute])*
         pub struct $options {
-            $($(#[$of_field])* pub $name: $type,)+
+            $(
+                $(#[$of_field])*
+                $(#[schemars(transform = $crate::range::Within($limits))])?
+                pub $name: $type,
+            )+
         }
 
         impl Default for $options {
@@ -32,16 +35,3 @@ macro_rules! options {
     };
 }
 pub(crate) use options;
-
-/// Puts the limits of numbers into the schema of their struct. A value that switches an effect off is within the range.
-pub(crate) fn with_limits(numbers: Vec<Number>) -> impl FnMut(&mut Schema) {
-    move |schema| {
-        let Some(properties) = schema.get_mut("properties") else { return };
-        for (key, _, Limits { min, max, off, .. }) in &numbers {
-            properties[*key]["minimum"] = off.map_or(*min, |off| off.min(*min)).into();
-            if off.is_none_or(f64::is_finite) {
-                properties[*key]["maximum"] = (*max).into();
-            }
-        }
-    }
-}

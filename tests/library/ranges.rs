@@ -165,8 +165,8 @@ fn ends_of_an_arm_s_ranges_can_be_simulated() {
     }
 }
 
-/// Tests that the JSON Schema holds the ranges: of a number, of the values and deviation of a drawn quantity, and of
-/// an optional key.
+/// Tests that the JSON Schema holds the ranges: of a number, with its unit, of the values and deviation of a drawn quantity,
+/// and of an optional key.
 #[test]
 fn the_schema_tells_the_ranges() {
     let schema = serde_json::to_value(underbrush_sim::scene::schema()).unwrap();
@@ -182,4 +182,5 @@ fn the_schema_tells_the_ranges() {
         let found = schema.pointer(pointer).and_then(serde_json::Value::as_f64);
         assert_eq!(found, Some(bound), "{pointer} in {schema:#}");
     }
+    assert_eq!(schema["$defs"]["PhysicsSection"]["properties"]["step_s"]["unit"], "s");
 }

@@ -10,11 +10,11 @@ use underbrush_recording::{BodyShape, InputError, PLAIN, is_plain, short};
 
 use super::inertia::{self, Entries};
 use super::passing::passing_links;
-use super::schema::Within;
 use super::source::{Source, listed};
 use super::urdf::{Chain, ChainJoint, Said, read_chain};
 use super::{Arm, ArmSource, Joint, LinkCollider, limits, skin_file};
 use crate::geometry::MAX_CORNERS;
+use crate::range::Within;
 
 /// An arm: its URDF, its skin, and the properties that URDF cannot express.
 #[derive(Deserialize, JsonSchema)]

@@ -25,7 +25,6 @@ pub mod mesh;
 pub mod new;
 mod new_text;
 mod passing;
-mod schema;
 pub mod skin;
 mod skin_file;
 mod skin_fit;

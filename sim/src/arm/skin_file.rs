@@ -6,11 +6,11 @@ use serde::Deserialize;
 use underbrush_recording::limits::{MAX_PATCHES, MAX_TAXELS, short};
 use underbrush_recording::{Grid, InputError, PLAIN, Patch, SkinLayout, Taxel, is_plain, math};
 
-use super::schema::Within;
 use super::skin::{PatchSurface, Skin, Technology};
 use super::source::{Source, listed};
 use super::urdf::Chain;
 use super::{limits, skin_fit};
+use crate::range::Within;
 
 /// The tactile skin of an arm: patches of taxels on its links.
 #[derive(Deserialize, JsonSchema)]

@@ -1,5 +1,6 @@
 //! The options of an environment: its actions, its reward, and when its episodes end.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 use underbrush_recording::limits::first_outside;
 use underbrush_recording::{FRAME_PERIOD_S, InputError, Limits};
@@ -7,7 +8,7 @@ use underbrush_recording::{FRAME_PERIOD_S, InputError, Limits};
 use crate::numbers::options;
 
 /// What an action is. Its numbers are from -1 to 1; others are clamped to that range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ActionKind {
     /// One number for each joint: the change of its equilibrium angle in one step, as a share of
@@ -26,7 +27,7 @@ options! {
     // Choices: a goal half a metre away is worth 10, and pressing with 5 N for a second costs as much as 20 cm of the
     // way.
     /// The reward of a step. F is the largest force that a taxel senses in a frame.
-    #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields, default)]
     pub struct Reward {
         /// For every metre by which the end effector has come closer to its goal.
@@ -48,7 +49,7 @@ options! {
     // Choices: 25 steps per second, as in the published controller; 1.5 degrees per step, which is 37 degrees per
     // second; one goal in at most 20 s.
     /// The options of an environment.
-    #[derive(Clone, Debug, PartialEq, Deserialize)]
+    #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields, default)]
     pub struct EnvironmentOptions {
         /// What an action is.

@@ -32,7 +32,8 @@ pub fn schema_within(Limits { min, max, .. }: Limits) -> Schema {
     forms(&value, &deviation)
 }
 
-/// Puts a field's limits into its schema.
+/// Puts a field's limits into its schema: those of a [`Quantity`], or of a number or every number of an array, with their unit. A
+/// value that switches an effect off is within the limits.
 pub struct Within(pub Limits);
 
 impl Transform for Within {
@@ -44,6 +45,17 @@ impl Transform for Within {
             }
         } else if let Some(first) = schema.get_mut("anyOf").and_then(|kinds| kinds.get_mut(0)) {
             *first = forms.into();
+        } else if let Some(items) = schema.get_mut("items").and_then(|items| <&mut Schema>::try_from(items).ok()) {
+            self.transform(items);
+        } else {
+            let Limits { min, max, off, unit } = self.0;
+            schema.insert("minimum".into(), off.map_or(min, |off| off.min(min)).into());
+            if off.is_none_or(f64::is_finite) {
+                schema.insert("maximum".into(), max.into());
+            }
+            if !unit.is_empty() {
+                schema.insert("unit".into(), unit.into());
+            }
         }
     }
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{SceneCamera, limits};
 use crate::materials::MaterialsSection;
-use crate::numbers::{options, with_limits};
+use crate::numbers::options;
 use crate::object::{Group, Specification, for_each_object_kind};
 use crate::range::{PLACE_M, Quantity, Within};
 use crate::{ControllerKind, PhysicsOptions, SensorOptions};
@@ -80,7 +80,6 @@ options! {
     /// forces.
     #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields, default)]
-    #[schemars(transform = with_limits(RobotSection::default().numbers()))]
     pub struct RobotSection {
         /// Scales the stiffness of every joint and of the controller's model. The damping scales with its square root,
         /// which keeps the joints' damping ratio (a choice).
@@ -99,7 +98,6 @@ options! {
     /// Where objects may stand, in the world frame: origin at the arm's base, x forward, y left, z up.
     #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields, default)]
-    #[schemars(transform = with_limits(Workspace::default().numbers()))]
     pub struct Workspace {
         /// Smallest and largest x of an object's foot, m.
         x_m: [f64; 2] = [0.20, 0.75];
@@ -117,7 +115,6 @@ options! {
     /// there.
     #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields, default)]
-    #[schemars(transform = with_limits(Goals::default().numbers()))]
     pub struct Goals {
         /// Number of goals per reach (the paper has "multiple goal positions", section IV-B).
         count: u32 = 4, limits::GOALS;
@@ -179,7 +176,6 @@ options! {
     /// Time step and other options of the physics engine.
     #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields, default)]
-    #[schemars(transform = with_limits(PhysicsSection::default().numbers()))]
     pub struct PhysicsSection {
         /// Time step, s: 10 ms (the period of the skin) or a whole fraction of it, at least 0.1 ms.
         step_s: f64 = 0.005, limits::STEP_S;

@@ -8,7 +8,7 @@ use underbrush_recording::SkinLayout;
 use underbrush_recording::limits::{first_outside, short};
 
 use super::limits;
-use crate::numbers::{options, with_limits};
+use crate::numbers::options;
 
 options! {
     // Gate, quantization step and saturation are the authors'. The others are choices:
@@ -33,7 +33,6 @@ options! {
     /// saturations and the bandwidth, `inf`.
     #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields, default)]
-    #[schemars(transform = with_limits(SensorOptions::default().numbers()))]
     pub struct SensorOptions {
         /// Which effects there are.
         model: SensorModel = SensorModel::Paper;
@@ -103,7 +102,6 @@ options! {
     /// Properties of taxels of piezoresistive fabric.
     #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields, default)]
-    #[schemars(transform = with_limits(FabricOptions::default().numbers()))]
     pub struct FabricOptions {
         /// What the reading depends on.
         response: FabricResponse = FabricResponse::TotalForce;
