@@ -9,7 +9,7 @@ use underbrush_sim::arm::{Arm, ArmAtStart};
 use underbrush_sim::clutter::{Clutter, PlacedObject};
 use underbrush_sim::object::Footing;
 use underbrush_sim::physics::PhysicsOptions;
-use underbrush_sim::range::{Quantity, YAW_DEG};
+use underbrush_sim::range::{Draw, YAW_DEG};
 use underbrush_sim::scene::Scene;
 use underbrush_sim::seed::stream;
 use underbrush_sim::sensor::{Sensor, SensorOptions};
@@ -68,7 +68,7 @@ impl Sweep {
         let footing =
             Footing { height_m: FOAM_TOP_M, foam_modulus_pa: block.foam_top().map(|(modulus_pa, _)| modulus_pa) };
         let leaf = &scene.file.objects.leaf[0].0;
-        let yaw_deg = Quantity::uniform(-180.0, 180.0);
+        let yaw_deg = Draw::Uniform(-180.0, 180.0);
         let mut objects = Vec::new();
         for foot in grid() {
             if objects.len() == leaves {

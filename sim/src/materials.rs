@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::{InputError, Limits, TEXT_BYTES, parse_toml, read_text, short};
 
 use crate::arm::{Arm, limits};
-use crate::range::{DrawError, Limited, Quantity, Within};
+use crate::range::{Draw, DrawError, Limited, Within};
 
 macro_rules! materials {
     ($($(#[doc = $text:literal])+ $name:ident: $limits:expr;)+) => {
@@ -18,7 +18,7 @@ macro_rules! materials {
         #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields, default)]
         pub struct MaterialsSection {
-            $($(#[doc = $text])+ #[schemars(transform = Within($limits))] pub $name: Option<Quantity>,)+
+            $($(#[doc = $text])+ #[schemars(transform = Within($limits))] pub $name: Option<Draw>,)+
         }
 
         /// The constants of one reach; `None` for those that the scene does not mention.
@@ -29,10 +29,9 @@ macro_rules! materials {
 
         impl MaterialsSection {
             /// The ranges that are given, with their names and limits.
-            pub fn quantities(&self) -> Vec<Limited<'_>> {
-                let all = [$((stringify!($name), &self.$name, $limits)),+].into_iter();
-                all.filter_map(|(name, range, limits)| Some(Limited { name, quantity: range.as_ref()?, limits }))
-                    .collect()
+            pub fn quantities(&self) -> Vec<Limited> {
+                let all = [$((stringify!($name), self.$name, $limits)),+].into_iter();
+                all.filter_map(|(name, draw, limits)| Some(Limited { name, draw: draw?, limits })).collect()
             }
 
             /// Draws the constants of a reach.
@@ -40,11 +39,11 @@ macro_rules! materials {
             /// # Errors
             /// If a range holds (almost) no physical values.
             pub fn draw(&self, random: &mut ChaCha8Rng) -> Result<Materials, DrawError> {
-                let mut draw = |name, range: &Option<Quantity>, limits| {
-                    let value = range.as_ref().map(|range| range.draw(random, limits));
+                let mut draw = |name, range: Option<Draw>, limits| {
+                    let value = range.map(|range| range.draw(random, limits));
                     value.transpose().map_err(|error| DrawError { name, ..error })
                 };
-                Ok(Materials { $($name: draw(stringify!($name), &self.$name, $limits)?),+ })
+                Ok(Materials { $($name: draw(stringify!($name), self.$name, $limits)?),+ })
             }
         }
 
@@ -153,7 +152,7 @@ impl MaterialFile {
                 let known: Vec<&str> = CONSTANTS.iter().map(|(name, _)| *name).collect();
                 return fault("an unknown constant".into(), known.join(", "));
             };
-            if let Some((found, allowed)) = Quantity::uniform(*low, *high).fault(*limits) {
+            if let Some((found, allowed)) = Draw::Uniform(*low, *high).fault(*limits) {
                 return fault(found, allowed);
             }
             if !(low..=high).contains(&value) {

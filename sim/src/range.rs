@@ -1,12 +1,11 @@
 //! The numbers of a scene file: each fixed, or a range to draw from.
 
 use std::fmt;
-use std::ops::Range;
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Uniform};
+use serde::Deserialize;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
-use serde::{Deserialize, Serialize};
 use underbrush_recording::{Limits, short};
 
 use crate::seed::standard_normals;
@@ -23,27 +22,17 @@ pub use schema::{Within, schema_within};
 ///
 /// ```
 /// use underbrush_recording::Limits;
-/// use underbrush_sim::range::Quantity;
+/// use underbrush_sim::range::Draw;
 ///
 /// let mut random = underbrush_sim::seed::stream(1, "an example", 0, "heights");
 /// const HEIGHT_M: Limits = Limits::new(0.05, 1.0, "m");
-/// let height_m = Quantity::uniform(0.25, 0.40).draw(&mut random, HEIGHT_M)?;
+/// let height_m = Draw::Uniform(0.25, 0.40).draw(&mut random, HEIGHT_M)?;
 /// assert!((0.25..=0.40).contains(&height_m));
 /// // Outside its physical limits nothing is drawn.
-/// assert!(Quantity::uniform(3.0, 4.0).draw(&mut random, HEIGHT_M).is_err());
+/// assert!(Draw::Uniform(3.0, 4.0).draw(&mut random, HEIGHT_M).is_err());
 /// # Ok::<(), underbrush_sim::range::DrawError>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
-pub struct Quantity {
-    /// How the value is drawn.
-    pub draw: Draw,
-    /// Its byte range in the scene file; empty for a default.
-    pub span: Range<usize>,
-}
-
-/// How the value of a [`Quantity`] is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Draw {
     /// Always this value.
     Fixed(f64),
@@ -80,11 +69,11 @@ impl fmt::Display for Draw {
 }
 
 /// A named range with the physical limits of its values.
-pub struct Limited<'a> {
+pub struct Limited {
     /// Its key in the scene file.
     pub name: &'static str,
     /// The range.
-    pub quantity: &'a Quantity,
+    pub draw: Draw,
     /// Smallest and largest value that make physical sense.
     pub limits: Limits,
 }
@@ -114,15 +103,10 @@ pub fn draw_possible<T>(
 /// A truncated normal draw is given up after this many attempts; the accepted share is then below about 0.5 %.
 const DRAWS: usize = 1000;
 
-impl Quantity {
-    /// Uniform between `low` and `high`.
-    pub fn uniform(low: f64, high: f64) -> Self {
-        Quantity { draw: Draw::Uniform(low, high), span: 0..0 }
-    }
-
+impl Draw {
     /// The largest number that it is likely to give: of a normal distribution, two deviations above the mean.
     pub fn largest(&self) -> f64 {
-        match self.draw {
+        match *self {
             Draw::Fixed(value) => value,
             Draw::Uniform(_, high) => high,
             Draw::Normal(mean, deviation) => mean + 2.0 * deviation,
@@ -134,9 +118,9 @@ impl Quantity {
     /// # Errors
     /// When a fixed or uniform value lies outside the limits, or a normal one does so a thousand times in a row.
     pub fn draw(&self, random: &mut ChaCha8Rng, limits: Limits) -> Result<f64, DrawError> {
-        let error = DrawError { name: "", draw: self.draw, low: limits.min, high: limits.max };
+        let error = DrawError { name: "", draw: *self, low: limits.min, high: limits.max };
         let physical = |value: &f64| limits.hold(*value);
-        match self.draw {
+        match *self {
             Draw::Fixed(value) => Some(value).filter(physical).ok_or(error),
             Draw::Uniform(low, high) => {
                 let uniform = Uniform::new_inclusive(low, high).map_err(|_| error.clone())?;
@@ -153,7 +137,7 @@ impl Quantity {
     pub fn fault(&self, limits: Limits) -> Option<(String, String)> {
         let Limits { min, max, .. } = limits;
         let within = |value: f64| value.is_finite() && limits.hold(value);
-        let allowed = match self.draw {
+        let allowed = match *self {
             Draw::Uniform(low, high) if low > high => "the lower bound first".into(),
             // A wider distribution would be nearly uniform, and nearly all its draws would be rejected.
             Draw::Normal(_, deviation) if !(0.0..=max - min).contains(&deviation) => {
@@ -163,14 +147,7 @@ impl Quantity {
             Draw::Uniform(low, high) if within(low) && within(high) => return None,
             _ => format!("values from {} to {}", short(min), short(max)),
         };
-        Some((self.draw.to_string(), allowed))
-    }
-}
-
-impl<'de> Deserialize<'de> for Quantity {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let spanned = toml::Spanned::<Draw>::deserialize(deserializer)?;
-        Ok(Quantity { span: spanned.span(), draw: spanned.into_inner() })
+        Some((self.to_string(), allowed))
     }
 }
 

@@ -12,7 +12,7 @@ use underbrush_recording::{InputError, Pose};
 use super::PlacedObject;
 use crate::arm::{Arm, ArmAtStart};
 use crate::geometry::{Capsule, PlacedShape, ROUNDING_M, segment_distance};
-use crate::range::{PLACE_M, Quantity};
+use crate::range::{Draw, PLACE_M};
 use crate::scene::Scene;
 
 /// Candidates for one goal before the attempt is given up.
@@ -49,9 +49,9 @@ pub(super) fn draw_goals(
     for number in 0..settings.count {
         let mut rejected = Rejected::default();
         let goal = (0..GOAL_TRIES).find_map(|_| {
-            let draw = |quantity: &Quantity, random: &mut ChaCha8Rng| quantity.draw(random, PLACE_M).ok();
+            let draw = |own: Draw, random: &mut ChaCha8Rng| own.draw(random, PLACE_M).ok();
             let goal =
-                DVec3::new(draw(&settings.x_m, random)?, draw(&settings.y_m, random)?, draw(&settings.z_m, random)?);
+                DVec3::new(draw(settings.x_m, random)?, draw(settings.y_m, random)?, draw(settings.z_m, random)?);
             if rejected.sought() >= POSTURE_TRIES {
                 return None;
             }

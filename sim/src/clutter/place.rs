@@ -7,7 +7,7 @@ use underbrush_recording::{InputError, Limits};
 use super::PlacedObject;
 use crate::arm::ArmAtStart;
 use crate::object::{Footing, Specification, StandsOn};
-use crate::range::{PLACE_M, Quantity, YAW_DEG};
+use crate::range::{Draw, PLACE_M, YAW_DEG};
 use crate::scene::Scene;
 
 /// Clearance between the arm in its start posture and any object, m.
@@ -121,14 +121,13 @@ fn propose(
     random: &mut ChaCha8Rng,
 ) -> Option<Proposal> {
     let workspace = &scene.file.workspace;
-    let mut draw = |given: &Option<Quantity>, [low, high]: [f64; 2], limits: Limits| {
-        let quantity = given.clone().unwrap_or_else(|| Quantity::uniform(low, high));
-        quantity.draw(random, limits).unwrap_or(low)
+    let mut draw = |given: Option<Draw>, [low, high]: [f64; 2], limits: Limits| {
+        given.unwrap_or(Draw::Uniform(low, high)).draw(random, limits).unwrap_or(low)
     };
-    let yaw_deg = draw(&group.place.yaw_deg, [-180.0, 180.0], YAW_DEG);
+    let yaw_deg = draw(group.place.yaw_deg, [-180.0, 180.0], YAW_DEG);
     let yaw_rad = yaw_deg.to_radians();
-    let x = draw(&group.place.x_m, workspace.x_m, PLACE_M);
-    let y = draw(&group.place.y_m, workspace.y_m, PLACE_M);
+    let x = draw(group.place.x_m, workspace.x_m, PLACE_M);
+    let y = draw(group.place.y_m, workspace.y_m, PLACE_M);
     let center = DVec2::new(x, y);
     match group.stands_on {
         StandsOn::Table => {

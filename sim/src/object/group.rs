@@ -10,7 +10,7 @@ use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use underbrush_recording::{Category, Limits};
 
 use super::{CATEGORIES, Footing, Object, StandsOn};
-use crate::range::{Draw, DrawError, Limited, Placement, Quantity, schema_within};
+use crate::range::{Draw, DrawError, Limited, Placement, schema_within};
 
 /// A quantity of a kind of objects. The key of the scene file, its schema, default and limits follow from it.
 #[derive(Debug)]
@@ -67,15 +67,15 @@ pub struct Specification {
     /// The quantities that the kind declares.
     declarations: &'static [Declared],
     /// Their ranges, in the order of their declarations.
-    ranges: Vec<Quantity>,
+    ranges: Vec<Draw>,
     draw_object: DrawObject,
 }
 
 impl Specification {
     /// Every range with its name and the physical limits of its values, for validation and error messages.
-    pub fn quantities(&self) -> Vec<Limited<'_>> {
+    pub fn quantities(&self) -> Vec<Limited> {
         let ranges = self.declarations.iter().zip(&self.ranges);
-        ranges.map(|(Declared { name, limits, .. }, quantity)| Limited { name, quantity, limits: *limits }).collect()
+        ranges.map(|(Declared { name, limits, .. }, draw)| Limited { name, draw: *draw, limits: *limits }).collect()
     }
 
     /// Draws one object. `footing` is what it stands on. Also returns what it has drawn: names and values of quantities.
@@ -103,7 +103,7 @@ impl Specification {
     /// that is not given is that of its declaration.
     pub fn refusal(&self, name: &str, low: Option<f64>, high: Option<f64>) -> DrawError {
         let (number, Declared { name, limits, .. }) = self.declared(name);
-        let draw = self.ranges[number].draw;
+        let draw = self.ranges[number];
         DrawError { name, draw, low: low.unwrap_or(limits.min), high: high.unwrap_or(limits.max) }
     }
 }
@@ -180,8 +180,7 @@ impl<'de, K: Kind> Deserialize<'de> for Group<K> {
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Group<K>, A::Error> {
                 let (mut count, mut place, mut category) = (None, Placement::default(), K::CATEGORY);
-                let defaults = K::QUANTITIES.iter().map(|declared| Quantity { draw: declared.default, span: 0..0 });
-                let mut ranges: Vec<Quantity> = defaults.collect();
+                let mut ranges: Vec<Draw> = K::QUANTITIES.iter().map(|declared| declared.default).collect();
                 while let Some(key) = map.next_key::<Key<K>>()? {
                     match key {
                         Key::Count => count = Some(map.next_value()?),

@@ -1,12 +1,12 @@
-//! JSON Schema of a [`Quantity`], for editors.
+//! JSON Schema of a [`Draw`], for editors.
 
 use schemars::transform::Transform;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use underbrush_recording::Limits;
 
-use super::Quantity;
+use super::Draw;
 
-impl JsonSchema for Quantity {
+impl JsonSchema for Draw {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "Quantity".into()
     }
@@ -32,7 +32,7 @@ pub fn schema_within(Limits { min, max, .. }: Limits) -> Schema {
     forms(&value, &deviation)
 }
 
-/// Puts a field's limits into its schema: those of a [`Quantity`], or of a number or every number of an array, with their unit. A
+/// Puts a field's limits into its schema: those of a [`Draw`], or of a number or every number of an array, with their unit. A
 /// value that switches an effect off is within the limits.
 pub struct Within(pub Limits);
 

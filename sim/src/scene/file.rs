@@ -9,7 +9,7 @@ use super::{SceneCamera, limits};
 use crate::materials::MaterialsSection;
 use crate::numbers::options;
 use crate::object::{Group, Specification, for_each_object_kind};
-use crate::range::{PLACE_M, Quantity, Within};
+use crate::range::{Draw, PLACE_M, Within};
 use crate::{ControllerKind, PhysicsOptions, SensorOptions};
 
 /// The keys of a scene file.
@@ -133,13 +133,13 @@ options! {
         progress: Option<ProgressRule> = None;
         /// Coordinate x of a goal (forward), m, world frame.
         #[schemars(transform = Within(PLACE_M))]
-        x_m: Quantity = Quantity::uniform(0.45, 0.75);
+        x_m: Draw = Draw::Uniform(0.45, 0.75);
         /// Coordinate y of a goal (left), m, world frame.
         #[schemars(transform = Within(PLACE_M))]
-        y_m: Quantity = Quantity::uniform(-0.55, 0.20);
+        y_m: Draw = Draw::Uniform(-0.55, 0.20);
         /// Coordinate z of a goal (up), m, world frame.
         #[schemars(transform = Within(PLACE_M))]
-        z_m: Quantity = Quantity::uniform(-0.38, -0.16);
+        z_m: Draw = Draw::Uniform(-0.38, -0.16);
     }
 }
 

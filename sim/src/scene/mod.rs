@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use underbrush_recording::limits::{TEXT_BYTES, first_outside, short};
 use underbrush_recording::{
-    Category, FRAME_PERIOD_S, InputError, PLAIN, is_plain, line_at, line_setting, parse_toml, read_text,
+    Category, FRAME_PERIOD_S, InputError, PLAIN, is_plain, line_setting, parse_toml, read_text,
 };
 
 use crate::arm::Arm;
@@ -161,7 +161,7 @@ impl Scene {
         let groups = self.file.objects.groups();
         let foam = groups.iter().filter(|(kind, _, group)| *kind == "foam_block" && group.count > 0);
         let heights = foam.flat_map(|(_, _, group)| group.quantities()).filter(|own| own.name == "height_m");
-        self.file.workspace.table_height_m + heights.map(|own| own.quantity.largest()).fold(0.0, f64::max)
+        self.file.workspace.table_height_m + heights.map(|own| own.draw.largest()).fold(0.0, f64::max)
     }
 
     fn check(&self) -> Result<(), InputError> {
@@ -183,13 +183,13 @@ impl Scene {
         self.check_numbers()?;
         self.check_steps()?;
         self.sensor_fault(file.sensor.fault())?;
-        for (name, quantity) in [("x_m", &file.goals.x_m), ("y_m", &file.goals.y_m), ("z_m", &file.goals.z_m)] {
-            self.check_quantity("goals", &Limited { name, quantity, limits: PLACE_M })?;
+        for (name, draw) in [("x_m", file.goals.x_m), ("y_m", file.goals.y_m), ("z_m", file.goals.z_m)] {
+            self.check_range("goals", Limited { name, draw, limits: PLACE_M })?;
         }
         self.check_positions()?;
         self.check_cameras()?;
         for limited in file.materials.quantities() {
-            self.check_quantity("materials", &limited)?;
+            self.check_range("materials", limited)?;
         }
         if let Some(kind) = file.passing.iter().flatten().find(|kind| !COLLIDING_KINDS.contains(&kind.as_str())) {
             return Err(self.fault("passing", format!("{kind:?}"), format!("one of {}", COLLIDING_KINDS.join(", "))));
@@ -294,14 +294,14 @@ impl Scene {
                 return Err(self.fault(&format!("{place}.category"), name, allowed));
             }
             for limited in group.quantities() {
-                self.check_quantity(&place, &limited)?;
+                self.check_range(&place, limited)?;
             }
-            let Placement { x_m, y_m, yaw_deg } = &group.place;
+            let Placement { x_m, y_m, yaw_deg } = group.place;
             let places =
                 [("place.x_m", x_m, PLACE_M), ("place.y_m", y_m, PLACE_M), ("place.yaw_deg", yaw_deg, YAW_DEG)];
-            for (name, quantity, limits) in places {
-                if let Some(quantity) = quantity {
-                    self.check_quantity(&place, &Limited { name, quantity, limits })?;
+            for (name, draw, limits) in places {
+                if let Some(draw) = draw {
+                    self.check_range(&place, Limited { name, draw, limits })?;
                 }
             }
         }
@@ -318,13 +318,8 @@ impl Scene {
         fault.map_or(Ok(()), |(field, found, allowed)| Err(self.fault(&field, found, allowed)))
     }
 
-    fn check_quantity(&self, place: &str, limited: &Limited<'_>) -> Result<(), InputError> {
-        let Some((found, allowed)) = limited.quantity.fault(limited.limits) else {
-            return Ok(());
-        };
-        let fault = self.fault(&format!("{place}.{}", limited.name), found, allowed);
-        let span = &limited.quantity.span;
-        Err(if span.is_empty() { fault } else { fault.at_line(line_at(&self.text, span.start)) })
+    fn check_range(&self, place: &str, Limited { name, draw, limits }: Limited) -> Result<(), InputError> {
+        self.refuse(draw.fault(limits).map(|(found, allowed)| (format!("{place}.{name}"), found, allowed)))
     }
 
     /// An error about this file, at the line that sets `field`.
