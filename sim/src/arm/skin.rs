@@ -107,27 +107,17 @@ impl Skin {
     fn gaps_m(&self, patch: usize, taxel: usize, side_m: f64) -> Option<[[f64; 2]; 2]> {
         let radius_m = self.surfaces[patch].radius_m?;
         let Patch { grid, taxels, .. } = &self.layout.patches[patch];
-        let grid = (*grid)?;
-        let (row, column) = (taxel / grid.columns, taxel % grid.columns);
         let half_m = |other: usize| {
             let (own, other) = (&taxels[taxel], &taxels[other]);
             let along = (other.position_link - own.position_link).dot(own.tangent_link).abs();
             let around = radius_m * own.normal_link.angle_between(other.normal_link);
             ((along.max(around) - side_m) / 2.0).max(0.0)
         };
-        let sides = |before: Option<usize>, after: Option<usize>| {
-            let [before, after] = [before, after].map(|other| other.map(half_m));
+        let [above, below, left, right] = (*grid)?.neighbours(taxel).map(|other| other.map(half_m));
+        let sides = |before: Option<f64>, after: Option<f64>| {
             [before.or(after).unwrap_or(0.0), after.or(before).unwrap_or(0.0)]
         };
-        let place = |row: usize, column: usize| row * grid.columns + column;
-        let (last_row, last) = (grid.rows - 1, grid.columns - 1);
-        let rows = sides((row > 0).then(|| place(row - 1, column)), (row < last_row).then(|| place(row + 1, column)));
-        let wraps = grid.wraps && last > 0;
-        let columns = sides(
-            (column > 0).then(|| place(row, column - 1)).or(wraps.then(|| place(row, last))),
-            (column < last).then(|| place(row, column + 1)).or(wraps.then(|| place(row, 0))),
-        );
-        Some([rows, columns])
+        Some([sides(above, below), sides(left, right)])
     }
 }
 
