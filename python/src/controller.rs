@@ -7,7 +7,7 @@ use pyo3::types::PyType;
 use underbrush_recording::FRAME_PERIOD_S;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::controller::{
-    ControlStatus, Controller, ControllerInput, ControllerKind, ControllerOutput, Intent,
+    ControlStatus, Controller, ControllerInput, ControllerKind, ControllerOutput, Intent, Preset,
 };
 use underbrush_sim::reach::MakeController;
 
@@ -34,7 +34,7 @@ impl ShippedController {
     fn new(arm: &PyArm, name: &str, scene: Option<&PyScene>) -> Result<Self, Failure> {
         let kind = ControllerKind::from_name(name)?;
         let floor_height_m = scene.map_or(f64::NEG_INFINITY, |own| own.scene.floor_height_m());
-        let controller = kind.controller(kind.preset().above(floor_height_m), &arm.arm);
+        let controller = kind.controller(Preset { floor_height_m, ..kind.preset() }, &arm.arm);
         Ok(ShippedController {
             name: controller.name().to_owned(),
             rate_hz: controller.rate_hz(),

@@ -112,24 +112,4 @@ impl Preset {
     pub fn step_rad(&self, joint: &Joint) -> f64 {
         (joint.slew_limit_rad_per_s / self.rate_hz).min(self.equilibrium_step_rad.unwrap_or(f64::INFINITY))
     }
-
-    /// This preset at `scale` times the hand speed. It scales the longest step of the end effector and the largest
-    /// change of the equilibrium angles, which would otherwise limit the speed.
-    pub fn at_hand_speed(self, scale: f64) -> Preset {
-        Preset {
-            end_effector_step_m: self.end_effector_step_m * scale,
-            equilibrium_step_rad: self.equilibrium_step_rad.map(|step| step * scale),
-            ..self
-        }
-    }
-
-    /// This preset with ways above this height, m, world frame.
-    pub fn above(self, floor_height_m: f64) -> Preset {
-        Preset { floor_height_m, ..self }
-    }
-
-    /// This preset with `scale` times the force that a contact should not exceed.
-    pub fn with_force_limit(self, scale: f64) -> Preset {
-        Preset { force_limit_n: self.force_limit_n * scale, ..self }
-    }
 }

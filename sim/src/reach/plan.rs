@@ -97,8 +97,15 @@ impl ReachPlan {
         scene.check_links_of_cameras(&arm)?;
         let kind = controller.unwrap_or(scene.file.controller);
         let robot = scene.file.robot;
-        let preset = kind.preset().at_hand_speed(robot.hand_speed_scale).with_force_limit(robot.force_limit_scale);
-        let preset = preset.above(scene.floor_height_m());
+        let own = kind.preset();
+        let preset = Preset {
+            end_effector_step_m: own.end_effector_step_m * robot.hand_speed_scale,
+            // Otherwise it would limit the speed.
+            equilibrium_step_rad: own.equilibrium_step_rad.map(|step| step * robot.hand_speed_scale),
+            force_limit_n: own.force_limit_n * robot.force_limit_scale,
+            floor_height_m: scene.floor_height_m(),
+            ..own
+        };
         let mut rules = ReachRules::published_with(kind);
         rules.progress = scene.file.goals.progress.unwrap_or(rules.progress);
         rules = scene.file.goals.patience_s.map_or(rules, |patience_s| rules.watched_for(patience_s));

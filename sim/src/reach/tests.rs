@@ -73,8 +73,8 @@ fn the_allowed_force_is_scaled() {
         let published = kind.preset();
         let text = "summary = \"x\"\n[robot]\nforce_limit_scale = 1.25\n";
         let plan = ReachPlan::new(Scene::parse("x.toml", text.into()).unwrap(), Some(kind), 0).unwrap();
-        let above = published.above(plan.scene.floor_height_m());
-        let expected = Preset { force_limit_n: 1.25 * above.force_limit_n, ..above };
+        let floor_height_m = plan.scene.floor_height_m();
+        let expected = Preset { force_limit_n: 1.25 * published.force_limit_n, floor_height_m, ..published };
         assert_eq!(plan.controller.preset(), Some(&expected));
     }
 }
