@@ -19,10 +19,8 @@ impl Arm {
     /// none is found from the angles `start_rad`; there may be others. Damped least squares (Wampler 1986), without the
     /// joints that are at a limit and would be pushed beyond it.
     pub fn posture_at(&self, point_world: DVec3, start_rad: &[f64]) -> Option<Vec<f64>> {
-        let limits: Vec<[f64; 2]> = self.joints.iter().map(|joint| joint.controller_limits_rad).collect();
-        let clamped = |angle: f64, [low, high]: [f64; 2]| angle.max(low).min(high);
-        let mut angles: Vec<f64> =
-            start_rad.iter().zip(&limits).map(|(angle, limits)| clamped(*angle, *limits)).collect();
+        let start = self.joints.iter().zip(start_rad);
+        let mut angles: Vec<f64> = start.map(|(joint, angle)| joint.within_limits(*angle)).collect();
         for _ in 0..ITERATIONS {
             let poses = self.forward_kinematics(&angles);
             let end_effector_world = self.end_effector_pose(&poses).position;
@@ -32,16 +30,17 @@ impl Arm {
             }
             let toward = Vector3::from(missing.clamp_length_max(STRIDE_M).to_array());
             let mut jacobian = self.position_jacobian(&poses, self.end_effector_link, end_effector_world);
-            for ((mut column, angle), [low, high]) in jacobian.column_iter_mut().zip(&angles).zip(&limits) {
+            for ((mut column, angle), joint) in jacobian.column_iter_mut().zip(&angles).zip(&self.joints) {
                 let wanted = column.dot(&toward);
+                let [low, high] = &joint.controller_limits_rad;
                 if (wanted > 0.0 && angle >= high) || (wanted < 0.0 && angle <= low) {
                     column.fill(0.0);
                 }
             }
             let damped = &jacobian * jacobian.transpose() + Matrix3::from_diagonal_element(DAMPING_M * DAMPING_M);
             let change = jacobian.transpose() * damped.cholesky()?.solve(&toward);
-            for ((angle, change), limits) in angles.iter_mut().zip(change.iter()).zip(&limits) {
-                *angle = clamped(*angle + change, *limits);
+            for ((angle, change), joint) in angles.iter_mut().zip(change.iter()).zip(&self.joints) {
+                *angle = joint.within_limits(*angle + change);
             }
         }
         None

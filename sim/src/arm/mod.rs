@@ -5,6 +5,7 @@
 //! stiffness, start posture, convex hulls). A skin file places patches of taxels on links. The robot Cody ships as such
 //! files.
 
+use std::f64::consts::PI;
 use std::path::Path;
 
 use glam::{DMat3, DVec3};
@@ -160,6 +161,19 @@ impl Joint {
     pub fn is_at_stop(&self, angle_rad: f64) -> bool {
         let [lower, upper] = self.limits_rad;
         angle_rad < lower + AT_STOP_RAD || angle_rad > upper - AT_STOP_RAD
+    }
+
+    /// The nearest angle within the controller's limits.
+    pub(crate) fn within_limits(&self, angle_rad: f64) -> f64 {
+        let [low, high] = self.controller_limits_rad;
+        angle_rad.max(low).min(high)
+    }
+
+    /// The angle at this share, from 0 to 1, of the controller's range. A joint without limits turns all round, and no farther than
+    /// half a turn from zero.
+    pub(crate) fn at_share(&self, share: f64) -> f64 {
+        let [low, high] = self.controller_limits_rad.map(|limit| limit.clamp(-PI, PI));
+        low + (high - low) * share
     }
 }
 

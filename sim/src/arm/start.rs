@@ -1,5 +1,7 @@
 //! A start posture for an arm that has none yet, and the room in front of it for clutter and goals.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -18,8 +20,6 @@ pub(super) struct Room {
 
 /// Postures that the search begins with for each place of the end effector.
 const STARTS: usize = 48;
-/// The farthest that a start angle is from zero, rad, so that joints that turn several times start near their middle.
-const WIDEST_RAD: f64 = std::f64::consts::PI;
 
 impl Room {
     pub(super) fn of(arm: &Arm) -> Self {
@@ -46,19 +46,17 @@ impl Room {
     /// its joints. `None` if the end effector cannot be there.
     pub(super) fn start_posture(&self, arm: &Arm) -> Option<Vec<f64>> {
         let mut random = ChaCha8Rng::seed_from_u64(0);
-        let limits: Vec<[f64; 2]> = arm.joints.iter().map(|joint| joint.controller_limits_rad).collect();
-        let ends = limits.iter().map(|limits| limits.map(|limit| limit.clamp(-WIDEST_RAD, WIDEST_RAD)));
-        let ends: Vec<[f64; 2]> = ends.collect();
         let [low, high] = self.goal_heights_m();
         let mut best: Option<(usize, f64, Vec<f64>)> = None;
         for (forward, height) in [(0.35, low), (0.35, high), (0.45, low), (0.45, high), (0.25, high)] {
             let place = DVec3::new(self.shoulder_m.x + forward * self.reach_m, self.shoulder_m.y, height);
             for number in 0..STARTS {
                 let mut share = || if number == 0 { 0.5 } else { f64::from(random.next_u32()) / f64::from(u32::MAX) };
-                let from: Vec<f64> = ends.iter().map(|[low, high]| low + (high - low) * share()).collect();
+                let from: Vec<f64> = arm.joints.iter().map(|joint| joint.at_share(share())).collect();
                 let Some(posture) = arm.posture_at(place, &from) else { continue };
-                let room = posture.iter().zip(&limits).map(|(angle, [low, high])| {
-                    (angle - low).min(high - angle).min(WIDEST_RAD - angle.abs()) / (high - low)
+                let room = posture.iter().zip(&arm.joints).map(|(angle, joint)| {
+                    let [low, high] = joint.controller_limits_rad;
+                    (angle - low).min(high - angle).min(PI - angle.abs()) / (high - low)
                 });
                 let room = room.fold(f64::INFINITY, f64::min);
                 let Some(overlaps) = self.overlaps(arm, &posture) else { continue };

@@ -1,7 +1,6 @@
 //! The goals: drawn so that the arm passes through plants on its way.
 
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
 
 use glam::DVec3;
 use parry3d::shape::Cuboid;
@@ -170,9 +169,7 @@ impl Surroundings {
                 return Admission::NoPosture;
             }
             for (angle, joint) in start_rad.iter_mut().zip(&arm.joints) {
-                // A joint without limits turns all round.
-                let [low, high] = joint.controller_limits_rad.map(|limit| limit.clamp(-PI, PI));
-                *angle = low + (high - low) * (random.next_u32() as f64 / f64::from(u32::MAX));
+                *angle = joint.at_share(random.next_u32() as f64 / f64::from(u32::MAX));
             }
         }
         blocked.map_or(Admission::NoPosture, Admission::Blocked)

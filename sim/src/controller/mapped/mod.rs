@@ -240,8 +240,8 @@ impl Mapped {
             }
             let wanted = (planned + *push).clamp(q[joint] - OFFSET_RAD, q[joint] + OFFSET_RAD);
             let largest = 1.5 * self.step_rad[joint];
-            let [low, high] = self.arm.joints[joint].controller_limits_rad;
-            angles.push((phi[joint] + (wanted - phi[joint]).clamp(-largest, largest)).max(low).min(high));
+            let next = phi[joint] + (wanted - phi[joint]).clamp(-largest, largest);
+            angles.push(self.arm.joints[joint].within_limits(next));
         }
         (angles, Intent::TurningRound)
     }

@@ -4,15 +4,13 @@
 //! All random numbers come from one stream, and all work is counted in postures that are evaluated, never in time, so a
 //! plan is the same on every machine.
 
-use std::f64::consts::PI;
-
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::arm_shapes::{ArmShapes, between, distance_rad, largest_change_rad};
 use super::tree::Tree;
-use crate::arm::{Arm, Joint};
+use crate::arm::Arm;
 use crate::geometry::Capsule;
 
 /// Postures that a plan may evaluate. At [`EVALUATION_S`] this is 0.2 s.
@@ -216,12 +214,7 @@ impl Planner<'_> {
 
     /// A posture anywhere within the joints' limits.
     fn anywhere(&self, random: &mut ChaCha8Rng) -> Vec<f64> {
-        let draw = |joint: &Joint| {
-            // A joint without limits turns all round.
-            let [low, high] = joint.controller_limits_rad.map(|limit| limit.clamp(-PI, PI));
-            low + (high - low) * random.random::<f64>()
-        };
-        self.arm.joints.iter().map(draw).collect()
+        self.arm.joints.iter().map(|joint| joint.at_share(random.random::<f64>())).collect()
     }
 
     /// A posture at the goal that is nearer to `from_rad` than `end`: the joints that change most are held back, and inverse

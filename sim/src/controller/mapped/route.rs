@@ -52,9 +52,9 @@ impl Surroundings<'_> {
         back_rad: f64,
         random: &mut ChaCha8Rng,
     ) -> (Result<Vec<Vec<f64>>, NoWay>, usize) {
-        let limits = self.arm.joints.iter().map(|joint| joint.controller_limits_rad);
+        let joints = &self.arm.joints;
         let within = |posture: &[f64]| -> Vec<f64> {
-            posture.iter().zip(limits.clone()).map(|(angle, [low, high])| angle.max(low).min(high)).collect()
+            joints.iter().zip(posture).map(|(joint, angle)| joint.within_limits(*angle)).collect()
         };
         let from_rad = within(from_rad);
         let back: Vec<Vec<f64>> = self.trail.iter().rev().map(|posture| within(posture)).collect();
@@ -132,12 +132,10 @@ fn out_and_on(
 fn straight_out(planner: &mut Planner, from_rad: &[f64], random: &mut ChaCha8Rng) -> Option<Vec<f64>> {
     (1..=DIRECTIONS).find_map(|number| {
         let size_rad = OUT_RAD * number as f64 / DIRECTIONS as f64;
-        let joints = from_rad.iter().zip(&planner.arm.joints);
-        let moved = |(angle, joint): (&f64, &crate::arm::Joint)| {
-            let [low, high] = joint.controller_limits_rad;
-            (angle + size_rad * (2.0 * random.random::<f64>() - 1.0)).max(low).min(high)
-        };
-        let posture: Vec<f64> = joints.map(moved).collect();
+        let joints = planner.arm.joints.iter().zip(from_rad);
+        let moved =
+            joints.map(|(joint, angle)| joint.within_limits(angle + size_rad * (2.0 * random.random::<f64>() - 1.0)));
+        let posture: Vec<f64> = moved.collect();
         planner.is_free(&posture).then_some(posture)
     })
 }
