@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3, Vec3};
 use underbrush_recording::{
     Body, BodyOwner, BodyShape, Frame, MappedObstacle, ObjectRecord, ObstacleKind, Pose, Recording, SkinLayout,
-    TrackPoint, math,
+    TrackPoint, distinct, math,
 };
 use underbrush_sim::blade::Blade;
 use underbrush_sim::body_log::{BodyLog, link_bodies};
@@ -119,9 +119,8 @@ impl<'a> Stage<'a> {
         if meshes.iter().all(|mesh| mesh.triangles.is_empty()) {
             return Err(RenderError::NoBodies);
         }
-        let mut further: Vec<&str> = objects.iter().map(|object| object.category.name()).collect();
-        further.retain(|name| !colour::is_known(name));
-        further.dedup();
+        let categories = objects.iter().map(|object| object.category.name());
+        let further = distinct(categories.filter(|name| !colour::is_known(name)));
         let mut labels = vec!["background".to_owned(), "table".to_owned()];
         let mut parts: Vec<Part> = Vec::new();
         for (index, body) in bodies.iter().enumerate() {

@@ -203,6 +203,26 @@ fn contacts_have_arrows() {
     assert!(depth[80 * 200 + 100].is_infinite() && labels[80 * 200 + 100] == 0);
 }
 
+/// Tests that a category that comes twice takes no second colour from those after it: the last post looks the same whether the
+/// third one, which is behind the camera, is of the first or of the second category.
+#[test]
+fn a_category_takes_one_colour() {
+    let layout = SkinLayout::default();
+    let picture = |third: &'static str| {
+        let posts = [("reed", 0.2), ("cane", 0.1), (third, -9.0), ("willow", 0.0)].into_iter().enumerate();
+        let (bodies, objects): (Vec<_>, Vec<_>) = posts
+            .map(|(index, (name, x))| {
+                let (body, object) = post(DVec3::X * x);
+                let category = Category::new(name, 100).unwrap();
+                (Body { owner: BodyOwner::Object(index as u16), ..body }, ObjectRecord { category, ..object })
+            })
+            .unzip();
+        let stage = Stage::new(&bodies, &objects, &layout, 1.0, &[]).unwrap();
+        stage.moment(0, &frame()).rgb(&camera(DVec3::ZERO), size()).unwrap()
+    };
+    assert!(picture("reed") == picture("cane"));
+}
+
 /// Tests that a flat surface has the light of the formula, also with shadows: none of it is in its own.
 #[test]
 fn no_surface_is_in_its_own_shadow() {
