@@ -14,6 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::limits::CSV_BYTES;
+use underbrush_recording::text_line::line_of_row;
 use underbrush_recording::{InputError, math, read_text};
 
 /// Fewest samples under load.
@@ -113,11 +114,20 @@ pub fn read_press(path: &Path) -> Result<Vec<PressSample>, InputError> {
     let text = read_text(path, &CSV_BYTES, "a readable press test", remedy)?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let mut samples: Vec<PressSample> = Vec::new();
-    for row in reader.deserialize() {
-        let line = samples.len() + 2;
+    let mut rows = reader.deserialize();
+    loop {
+        let line = line_of_row(text.as_bytes(), rows.reader().position());
+        let Some(row) = rows.next() else { return Ok(samples) };
         let fault = |found: String, allowed: &str| InputError::new(path, "press", found, allowed, remedy).at_line(line);
-        let sample: PressSample =
-            row.map_err(|error| fault(error.to_string(), "numbers in the columns time_s, depth_m and force_n"))?;
+        let sample: PressSample = row.map_err(|error| {
+            let found = match error.into_kind() {
+                // Without the parser's own line, which leaves blank lines out.
+                csv::ErrorKind::Deserialize { err, .. } => err.to_string(),
+                csv::ErrorKind::UnequalLengths { len, expected_len, .. } => format!("{len} cells, not {expected_len}"),
+                other => format!("{other:?}"),
+            };
+            fault(found, "numbers in the columns time_s, depth_m and force_n")
+        })?;
         if ![sample.time_s, sample.depth_m, sample.force_n].iter().all(|value| value.is_finite()) {
             return Err(fault("a value that is not finite".into(), "finite numbers"));
         }
@@ -126,7 +136,6 @@ pub fn read_press(path: &Path) -> Result<Vec<PressSample>, InputError> {
         }
         samples.push(sample);
     }
-    Ok(samples)
 }
 
 /// Fits the law.

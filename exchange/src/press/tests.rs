@@ -116,3 +116,28 @@ fn poor_presses_are_refused() {
     let level: Vec<PressSample> = (0..100).map(level).collect();
     assert_eq!(fit_press(&level, punch), Err(PressError::Indistinct));
 }
+
+/// Tests that a faulty row is refused with its own line, also after blank lines.
+#[test]
+fn a_faulty_row_is_named_by_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("press.csv");
+    for (rows, line, found) in [
+        ("0,0,0\n1,x,0\n", 3, "float"),
+        ("\n0,0,0\n1,x,0\n", 4, "float"),
+        ("\n\n0,0,0\n\n1,0,0\n2,inf,0\n", 7, "not finite"),
+        ("0,0,0\n\n\n0,0,0\n", 5, "time_s = 0"),
+        ("0,0,0\n\n1,0\n", 4, "2 cells"),
+    ] {
+        for text in
+            [format!("time_s,depth_m,force_n\n{rows}"), format!("time_s,depth_m,force_n\n{rows}").replace('\n', "\r\n")]
+        {
+            std::fs::write(&path, &text).unwrap();
+            let error = read_press(&path).unwrap_err();
+            assert_eq!(error.line, Some(line), "{text:?}: {error}");
+            assert!(error.found.contains(found), "{error}");
+        }
+    }
+    std::fs::write(&path, "time_s,depth_m,force_n\n\n0,0,0\n\n1,0.001,2\n\n").unwrap();
+    assert_eq!(read_press(&path).unwrap().len(), 2);
+}
