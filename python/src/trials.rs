@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyBytes, PyCapsule, PySlice};
 use underbrush_classifier::{DataSource, FeatureSet};
 use underbrush_experiments::model_data;
-use underbrush_recording::disk::{DiskError, channel_names, check_free, read_trials, trial_table, write_trials_with};
+use underbrush_recording::disk::{DiskError, check_free, read_trials, trial_table, write_trials};
 use underbrush_recording::{Fault, Sample, Trial};
 
 use crate::arguments::features;
@@ -123,8 +123,7 @@ impl Trials {
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> Result<(), Failure> {
         alone(py, || {
             check_free(&path, force)?;
-            let written = write_trials_with(&path, &channel_names(&self.list), self.list.iter().cloned());
-            written.map_err(|error| match error {
+            write_trials(&path, &self.list).map_err(|error| match error {
                 DiskError::Unwritable { field, found, allowed, .. } => {
                     Failure::argument(field, found, allowed, "correct the trials")
                 }

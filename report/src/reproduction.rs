@@ -44,7 +44,7 @@ impl Reproduction<'_> {
         let tables = [("component", &trials.component), ("taxel", &trials.taxel)];
         for (unit, trials) in tables {
             let path = out.join(format!("trials-{unit}.parquet"));
-            write_trials(path, trials.iter().cloned())?;
+            write_trials(path, trials)?;
         }
         let models = session.once(online_models::run)?;
         let text = models.model(&session)?.save_string();

@@ -7,7 +7,7 @@ use serde_json::json;
 use underbrush_classifier::frequencies;
 use underbrush_exchange::import::{Mapping, import, import_recordings};
 use underbrush_recording::Recording;
-use underbrush_recording::disk::{UnfinishedFolder, channel_names, check_free, write_recording, write_trials_with};
+use underbrush_recording::disk::{UnfinishedFolder, check_free, write_recording, write_trials};
 
 use super::overwrite::Overwrite;
 use crate::{Failure, output};
@@ -49,7 +49,7 @@ pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
     let (trials, frames, reaches) = (imported.trials.len(), imported.frames, imported.reaches);
     let samples: usize = imported.trials.iter().map(|trial| trial.samples.len()).sum();
     if is_table {
-        write_trials_with(&options.out, &channel_names(&imported.trials), imported.trials)?;
+        write_trials(&options.out, &imported.trials)?;
     } else {
         write_recordings(&options.out, &imported.recordings)?;
     }

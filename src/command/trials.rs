@@ -33,7 +33,7 @@ pub fn run(options: TrialsOptions, json: bool) -> Result<(), Failure> {
     let never_touched = trials.iter().filter(|trial| trial.touched() == Some(false)).count();
     let touch_unknown = trials.iter().filter(|trial| trial.touched().is_none()).count();
     let (count, samples) = (trials.len(), trials.iter().map(|trial| trial.samples.len()).sum::<usize>());
-    write_trials(&options.out, trials)?;
+    write_trials(&options.out, &trials)?;
     let file = options.out.display().to_string();
     // Trials during which no object pressed are among those for which this is known.
     let written = json!({

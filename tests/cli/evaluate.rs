@@ -192,7 +192,7 @@ fn a_model_of_the_same_data_is_warned_of() {
     underbrush!["train", table, "--classifier", "naive-bayes", "--out", model].success();
     let mut trials = read_trials(&table).unwrap();
     trials.pop();
-    write_trials(&other, trials).unwrap();
+    write_trials(&other, &trials).unwrap();
     for (trials, warns) in [(&table, true), (&other, false)] {
         let answer = underbrush!["evaluate", trials, "--model", model];
         assert_eq!(answer.stderr.contains("the model was fitted to these data"), warns, "{}", answer.stderr);
@@ -210,7 +210,7 @@ fn trials_that_are_left_out_are_counted() {
     trials[0].category = None;
     trials[1..3].iter_mut().for_each(|trial| trial.category = Some("block".into()));
     let all = trials.len();
-    write_trials(&table, trials).unwrap();
+    write_trials(&table, &trials).unwrap();
     let answer = underbrush!["evaluate", table, "--classifier", "peak-force", "--group", "position"];
     let left = format!("3 of {all} trials are left out, because nothing is fitted to them (no category: 1, block: 2)");
     assert!(answer.stderr.contains(&left), "{}", answer.stderr);
@@ -226,7 +226,7 @@ fn table_with_reaches(folder: &std::path::Path) -> std::path::PathBuf {
         trial.reach = Some(half + place as u64 % 2);
     }
     let path = folder.join("with-reaches.csv");
-    write_trials(&path, trials).unwrap();
+    write_trials(&path, &trials).unwrap();
     path
 }
 
@@ -254,7 +254,7 @@ fn the_advised_grouping_is_the_default() {
     let mut trials = read_trials(&table).unwrap();
     trials[0].reach = None;
     let homeless = folder.path().join("homeless.csv");
-    write_trials(&homeless, trials).unwrap();
+    write_trials(&homeless, &trials).unwrap();
     let figures = underbrush!["evaluate", homeless, "--classifier", "naive-bayes", "--json"].json();
     assert_eq!(figures["folds"]["by"], "position");
 }

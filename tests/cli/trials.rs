@@ -181,3 +181,14 @@ fn a_recording_gives_the_trials_of_its_reach() {
     let samples: usize = trials.iter().map(|trial| trial.samples.len()).sum();
     assert_eq!(samples, frames.iter().map(sensed).sum::<usize>());
 }
+
+/// Tests that a table is written again as it is, also if its first trial lacks a channel that another one has.
+#[test]
+fn a_table_whose_channels_have_gaps_is_written_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let [from, to] = ["in.csv", "out.csv"].map(|name| folder.path().join(name));
+    let rows = "0,leaf,0,0.2,\n0,leaf,0.01,0.3,\n1,leaf,1,0.2,0.5\n1,leaf,1.01,0.2,\n";
+    std::fs::write(&from, format!("trial,category,time_s,force_n,shear_n\n{rows}")).unwrap();
+    underbrush!["trials", from, "--out", to, "--min-samples", "1"].success();
+    assert_eq!(read_trials(to).unwrap(), read_trials(from).unwrap());
+}

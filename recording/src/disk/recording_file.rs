@@ -107,7 +107,7 @@ fn write_to(path: &Path, recording: &Recording) -> Result<(), DiskError> {
             seal::unsealed(),
         ],
     )?;
-    file.write_group(&mut batches(recording.frames.len()).map(|frames| Ok(columns_of(&features, &rows, frames))))?;
+    file.write_group(&mut batches(recording.frames.len()).map(|frames| columns_of(&features, &rows, frames)))?;
     file.close()
 }
 

@@ -99,7 +99,7 @@ fn a_table_is_a_source() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["log.csv", "log.parquet", "log.CSV", "log.PARQUET"] {
         let path = folder.path().join(name);
-        write_trials(&path, [trial(0, 3, 0, "towel", 0, 9)]).unwrap();
+        write_trials(&path, &[trial(0, 3, 0, "towel", 0, 9)]).unwrap();
         let source = Source::open(&[path], KNOWN, None).unwrap();
         let [line] = &source.reaches[..] else {
             panic!("{:?}", source.reaches);

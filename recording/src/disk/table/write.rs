@@ -131,7 +131,7 @@ impl Encoder {
     pub(crate) fn encode(
         &self,
         path: &Path,
-        batches: &mut dyn Iterator<Item = Result<Vec<Column>, DiskError>>,
+        batches: &mut dyn Iterator<Item = Vec<Column>>,
     ) -> Result<Group, DiskError> {
         let encode = || DiskError::encode(path);
         let mut chunks: Vec<_> = self.columns.iter().map(|_| TrackedWrite::new(Vec::new())).collect();
@@ -142,7 +142,7 @@ impl Encoder {
             .map(|(column, pages)| get_column_writer(column, Arc::clone(&self.properties), pages))
             .collect();
         for batch in batches {
-            for (writer, column) in writers.iter_mut().zip(&batch?) {
+            for (writer, column) in writers.iter_mut().zip(&batch) {
                 put(writer, column).map_err(encode())?;
             }
         }
@@ -186,10 +186,7 @@ impl ParquetFile {
     }
 
     /// Writes a row group, unless it has no rows. Its rows come in batches; only what is encoded is kept in memory.
-    pub(crate) fn write_group(
-        &mut self,
-        batches: &mut dyn Iterator<Item = Result<Vec<Column>, DiskError>>,
-    ) -> Result<(), DiskError> {
+    pub(crate) fn write_group(&mut self, batches: &mut dyn Iterator<Item = Vec<Column>>) -> Result<(), DiskError> {
         let group = self.encoder.encode(&self.path, batches)?;
         self.append(group)
     }
@@ -228,7 +225,7 @@ pub(crate) fn write_table(
     key_values: Vec<(&'static str, String)>,
 ) -> Result<(), DiskError> {
     let mut file = ParquetFile::create(path, &columns, key_values)?;
-    file.write_group(&mut iter::once(Ok(columns)))?;
+    file.write_group(&mut iter::once(columns))?;
     file.close()
 }
 

@@ -57,7 +57,7 @@ fn every_column_is_described_in_the_file_itself() {
     let trials = folder.path().join("trials.parquet");
     let sample = Sample { time_s: 0.0, force_n: 1.0, ..Sample::default() };
     let trial = Trial { trial: 1, category: None, reach: None, patch: None, taxel: None, samples: vec![sample] };
-    write_trials(&trials, [trial]).unwrap();
+    write_trials(&trials, &[trial]).unwrap();
     described(&trials, &[&TRIALS]);
 }
 

@@ -147,7 +147,7 @@ proptest! {
 fn a_foreign_parquet_file_is_refused_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("trials.parquet");
-    crate::disk::write_trials(&path, []).unwrap();
+    crate::disk::write_trials(&path, &[]).unwrap();
     let error = misread(read_recording(&path));
     assert_eq!(error.field, "underbrush.format");
     assert!(error.remedy.contains("underbrush"));

@@ -35,7 +35,7 @@ fn leftovers_of_an_output_go_with_its_next_run() {
     let writer = File::open(folder.join(&living)).unwrap();
     writer.lock().unwrap();
 
-    write_trials(folder.join("trials.csv"), []).unwrap();
+    write_trials(folder.join("trials.csv"), &[]).unwrap();
     let mut expected = vec![".hidden".to_owned(), others.clone(), living, "trials.csv".to_owned()];
     expected.sort();
     assert_eq!(names(folder), expected);

@@ -50,19 +50,14 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
 }
 
 /// Writes a table. Numbers are the shortest text that gives the same double when read.
-pub(super) fn write(
-    path: &Path,
-    channels: &[Arc<str>],
-    trials: &mut dyn Iterator<Item = Result<Trial, DiskError>>,
-) -> Result<(), DiskError> {
+pub(super) fn write(path: &Path, channels: &[Arc<str>], trials: &[Trial]) -> Result<(), DiskError> {
     // Not `DiskError::io` for each row: it copies the path.
     let failed = |error: csv::Error| DiskError::io(path, "write")(error);
     let mut writer = csv::Writer::from_writer(whole_file::begin(path)?);
     let names: Vec<&str> = COLUMNS.into_iter().chain(channels.iter().map(|name| &**name)).collect();
     writer.write_record(names).map_err(failed)?;
     for trial in trials {
-        let trial = trial?;
-        let columns = columns_of(std::slice::from_ref(&trial), channels);
+        let columns = columns_of(std::slice::from_ref(trial), channels);
         for row in 0..trial.samples.len() {
             writer.write_record(columns.iter().map(|column| column.shown(row))).map_err(failed)?;
         }

@@ -174,7 +174,7 @@ pub fn read_trials(path: impl AsRef<Path>) -> Result<Vec<Trial>, DiskError> {
 /// # Errors
 /// [`DiskError::Unwritable`] for a trial that [`read_trials`] would refuse or confuse with another (no samples, times
 /// that do not increase, numbers outside [`crate::limits`], an empty name, a category called `uncertain`, a trial number
-/// used twice, a channel that the first trial does not have);
+/// used twice, a channel with the name of another column);
 /// [`DiskError::Io`] and [`DiskError::Encode`] if the file cannot be written.
 ///
 /// ```
@@ -187,38 +187,22 @@ pub fn read_trials(path: impl AsRef<Path>) -> Result<Vec<Trial>, DiskError> {
 /// let folder = tempfile::tempdir()?;
 /// for name in ["trials.csv", "trials.parquet"] {
 ///     let file = folder.path().join(name);
-///     write_trials(&file, trials.clone())?;
+///     write_trials(&file, &trials)?;
 ///     assert_eq!(read_trials(&file)?, trials);
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn write_trials(path: impl AsRef<Path>, trials: impl IntoIterator<Item = Trial>) -> Result<(), DiskError> {
-    let mut trials = trials.into_iter().peekable();
-    let channels = trials.peek().map(|first| channel_names(std::slice::from_ref(first))).unwrap_or_default();
-    write_trials_with(path, &channels, trials)
-}
-
-/// As [`write_trials`], with these channels ([`channel_names`]) instead of those of the first trial.
-///
-/// # Errors
-/// As [`write_trials`].
-pub fn write_trials_with(
-    path: impl AsRef<Path>,
-    channels: &[Arc<str>],
-    trials: impl IntoIterator<Item = Trial>,
-) -> Result<(), DiskError> {
+pub fn write_trials(path: impl AsRef<Path>, trials: &[Trial]) -> Result<(), DiskError> {
     let path = path.as_ref();
     let mut numbers = BTreeSet::new();
-    let mut checked = trials.into_iter().map(|trial| match check(&trial, channels, &mut numbers) {
-        Ok(()) => Ok(trial),
-        Err(violation) => Err(violation.unwritable(path)),
-    });
+    let checked = trials.iter().try_for_each(|trial| check(trial, &mut numbers));
+    checked.map_err(|violation| violation.unwritable(path))?;
     let write = if is_csv(path)? { csv_table::write } else { parquet_table::write };
     remove_leftovers(path);
-    write(path, channels, &mut checked)
+    write(path, &channel_names(trials), trials)
 }
 
-fn check(trial: &Trial, channels: &[Arc<str>], numbers: &mut BTreeSet<u64>) -> Result<(), Violation> {
+fn check(trial: &Trial, numbers: &mut BTreeSet<u64>) -> Result<(), Violation> {
     let field = |name: &str| format!("trial {}, {name}", trial.trial);
     let new = numbers.insert(trial.trial);
     require(new, || field("trial"), || "the number of an earlier trial".into(), "unique numbers")?;
@@ -234,8 +218,8 @@ fn check(trial: &Trial, channels: &[Arc<str>], numbers: &mut BTreeSet<u64>) -> R
     }
     for name in channel_names(std::slice::from_ref(trial)) {
         let is_free = is_plain(&name) && !name.is_empty() && !COLUMNS.contains(&&*name);
-        let allowed = "the name of a channel of the table, which no other column has";
-        require(is_free && channels.contains(&name), || field("channels"), || format!("{name:?}"), allowed)?;
+        let allowed = "the name of a channel, which no other column has";
+        require(is_free, || field("channels"), || format!("{name:?}"), allowed)?;
     }
     require(!trial.samples.is_empty(), || field("samples"), || "none".into(), "at least one sample")?;
     for sample in &trial.samples {

@@ -82,27 +82,17 @@ pub fn trial_table(trials: &[Trial]) -> Batch {
 }
 
 /// Writes a table, as one row group.
-pub(super) fn write(
-    path: &Path,
-    channels: &[Arc<str>],
-    trials: &mut dyn Iterator<Item = Result<Trial, DiskError>>,
-) -> Result<(), DiskError> {
+pub(super) fn write(path: &Path, channels: &[Arc<str>], trials: &[Trial]) -> Result<(), DiskError> {
     let none = columns_of(&[], channels);
     let mut file = ParquetFile::create(path, &none, vec![about_entry(&[&TRIALS], &none, &[]), seal::unsealed()])?;
-    let mut batches = std::iter::from_fn(|| {
-        let (mut batch, mut rows) = (Vec::new(), 0);
-        while rows < ROWS_PER_BATCH {
-            match trials.next() {
-                Some(Ok(trial)) => {
-                    rows += trial.samples.len();
-                    batch.push(trial);
-                }
-                Some(Err(error)) => return Some(Err(error)),
-                None => break,
-            }
-        }
-        (rows > 0).then(|| Ok(columns_of(&batch, channels)))
+    let mut rows = 0;
+    // A batch ends with the trial that fills it.
+    let batches = trials.split_inclusive(|trial| {
+        rows += trial.samples.len();
+        let is_full = rows >= ROWS_PER_BATCH;
+        rows = if is_full { 0 } else { rows };
+        is_full
     });
-    file.write_group(&mut batches)?;
+    file.write_group(&mut batches.map(|batch| columns_of(batch, channels)))?;
     file.close()
 }

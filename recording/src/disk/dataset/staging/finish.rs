@@ -61,7 +61,7 @@ impl Prepared {
         let mut with_statistics = batches(recording.frames.len()).map(|frames| {
             let columns = columns_of(features, &rows, frames);
             statistics.add(&columns);
-            Ok(columns)
+            columns
         });
         let frames = Encoder::new(staged, &columns)?.encode(staged, &mut with_statistics)?;
         Ok(Prepared {

@@ -93,7 +93,7 @@ impl TableFile {
     }
 
     fn end_group(&mut self) -> Result<(), DiskError> {
-        let mut episodes = std::mem::take(&mut self.episodes).into_iter().map(Ok);
+        let mut episodes = std::mem::take(&mut self.episodes).into_iter();
         self.file.as_mut().map_or(Ok(()), |file| file.write_group(&mut episodes))
     }
 

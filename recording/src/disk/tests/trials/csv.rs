@@ -123,7 +123,7 @@ fn names_that_change_a_terminal_are_refused() {
         let mut trial = read_text(&format!("{head}1,leaf,forearm,0.0,0.1\n")).unwrap().remove(0);
         trial.category = Some(name.to_owned());
         let folder = tempfile::tempdir().unwrap();
-        let error = write_trials(folder.path().join("t.csv"), [trial]).unwrap_err().to_string();
+        let error = write_trials(folder.path().join("t.csv"), &[trial]).unwrap_err().to_string();
         assert!(error.contains("trial 1, category") && error.contains("control characters"), "{error}");
     }
 }

@@ -147,7 +147,7 @@ fn every_fault_of_a_parquet_table_is_named_with_its_row() {
         write_snappy(&path, &columns);
         assert_eq!(refused(read_trials(&path)).field, gone);
     }
-    write_trials(&path, []).unwrap();
+    write_trials(&path, &[]).unwrap();
     assert_eq!(refused(read_trials(&path)).field, "rows");
     write_snappy(&path, &foreign_columns());
     let bytes = fs::read(&path).unwrap();
