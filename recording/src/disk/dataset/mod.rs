@@ -10,7 +10,7 @@
 //! meta/tasks.parquet  meta/stats.json           LeRobot's task sentences and statistics
 //! meta/taxels.parquet                           the positions of the taxels
 //! meta/provenance.json  meta/checksums.json     origin, with the text of scenes and arms; BLAKE3 of every file
-//! incomplete/                                   only while the set is unfinished: plan.json, assembled.json,
+//! incomplete/                                   only while the set is unfinished: plan.json, assembled.bin,
 //!                                               finished reaches
 //! ```
 

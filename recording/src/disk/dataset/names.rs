@@ -15,7 +15,7 @@ pub(crate) const PROVENANCE: &str = "meta/provenance.json";
 pub(crate) const CHECKSUMS: &str = "meta/checksums.json";
 pub(crate) const INCOMPLETE: &str = "incomplete";
 pub(crate) const PLAN: &str = "incomplete/plan.json";
-pub(crate) const ASSEMBLED: &str = "incomplete/assembled.json";
+pub(crate) const ASSEMBLED: &str = "incomplete/assembled.bin";
 pub(crate) const LOCK: &str = "incomplete/lock";
 
 /// The path of one file of a table with many files.

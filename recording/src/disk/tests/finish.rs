@@ -115,7 +115,7 @@ fn a_finish_killed_at_any_file_is_taken_up_again() {
 /// test, the unreadable file is a folder.
 #[test]
 fn what_cannot_be_read_is_not_thrown_away() {
-    for name in ["assembled.json", "reach-000001.json", "reach-000001.bin"] {
+    for name in ["assembled.bin", "reach-000001.json", "reach-000001.bin"] {
         let folder = tempfile::tempdir().unwrap();
         let dir = folder.path().join("set");
         let writer = begin(&dir, false);

@@ -11,6 +11,9 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
 use crate::disk::check::check_recording;
 use crate::disk::dataset::checksums::FileSum;
 use crate::disk::recording_file::without_frames;
@@ -46,20 +49,28 @@ pub(crate) fn read(path: &Path) -> Result<Recording, DiskError> {
     Ok(recording)
 }
 
-fn encode(recording: &Recording) -> io::Result<Vec<u8>> {
-    let header = serde_json::to_vec(&without_frames(recording))?;
-    let tracks: Vec<&[TrackPoint]> = recording.bodies.iter().map(|body| body.track.as_slice()).collect();
-    let plain = postcard::to_allocvec(&(header, &recording.frames, tracks)).map_err(io::Error::other)?;
+/// A value in postcard's format, compressed by zstd, with zstd's checksum.
+pub(crate) fn packed(value: &impl Serialize) -> io::Result<Vec<u8>> {
+    let plain = postcard::to_allocvec(value).map_err(io::Error::other)?;
     let mut compressor = zstd::Encoder::new(Vec::new(), LEVEL)?;
     compressor.include_checksum(true)?;
     compressor.write_all(&plain)?;
     compressor.finish()
 }
 
+/// The value that [`packed`] was given; an error if the bytes are damaged.
+pub(crate) fn unpacked<T: DeserializeOwned>(bytes: &[u8]) -> io::Result<T> {
+    postcard::from_bytes(&zstd::decode_all(bytes)?).map_err(io::Error::other)
+}
+
+fn encode(recording: &Recording) -> io::Result<Vec<u8>> {
+    let header = serde_json::to_vec(&without_frames(recording))?;
+    let tracks: Vec<&[TrackPoint]> = recording.bodies.iter().map(|body| body.track.as_slice()).collect();
+    packed(&(header, &recording.frames, tracks))
+}
+
 fn decode(bytes: &[u8]) -> io::Result<Recording> {
-    let plain = zstd::decode_all(bytes)?;
-    let (header, frames, tracks): (Vec<u8>, Vec<Frame>, Vec<Vec<TrackPoint>>) =
-        postcard::from_bytes(&plain).map_err(io::Error::other)?;
+    let (header, frames, tracks): (Vec<u8>, Vec<Frame>, Vec<Vec<TrackPoint>>) = unpacked(bytes)?;
     let mut recording: Recording = serde_json::from_slice(&header)?;
     recording.frames = frames;
     for (body, track) in recording.bodies.iter_mut().zip(tracks) {

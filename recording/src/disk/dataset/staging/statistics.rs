@@ -150,7 +150,7 @@ impl ColumnStatistics {
     }
 }
 
-/// Statistics of all columns. Once a row has been added, they survive a round trip through JSON unchanged.
+/// Statistics of all columns.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Statistics {
     columns: Vec<(String, ColumnStatistics)>,
