@@ -73,7 +73,7 @@ pub fn of_reaches<'a>(dataset: &Dataset, episodes: impl Iterator<Item = &'a Epis
         blake3: dataset.data_blake3(),
         seed: Some(dataset.provenance().seed),
         reaches,
-        rate_hz: Some(dataset.info().fps),
+        rate_hz: Some(dataset.plan().rate_hz),
     }
 }
 

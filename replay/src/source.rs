@@ -163,7 +163,7 @@ impl Source {
     fn add_dataset(&mut self, path: &Path) -> Result<(), Fault> {
         let dataset = Dataset::open(path)?;
         check(self.judging.as_ref(), &path.display().to_string(), dataset.layout())?;
-        let rate_hz = dataset.info().fps;
+        let rate_hz = dataset.plan().rate_hz;
         let peaks = dataset.peak_contact_forces_n()?;
         let input = self.datasets.len();
         for (index, (episode, peak_force_n)) in dataset.episodes().iter().zip(peaks).enumerate() {

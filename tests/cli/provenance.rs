@@ -156,7 +156,7 @@ fn altered(
     change_reach: impl Fn(usize, &mut Recording),
 ) {
     let set = Dataset::open(from).unwrap();
-    let mut plan = set.plan();
+    let mut plan = set.plan().clone();
     change_plan(&mut plan);
     let reaches = plan.episodes.len();
     let writer = DatasetWriter::create(to, plan, false).unwrap();

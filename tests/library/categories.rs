@@ -50,7 +50,7 @@ fn reaches(folder: &Path) -> (Dataset, Vec<Recording>) {
 fn a_further_category_goes_from_a_reach_to_verdicts() {
     let folder = tempfile::tempdir().unwrap();
     let (simulated, recordings) = reaches(&folder.path().join("simulated"));
-    let mut plan = simulated.plan();
+    let mut plan = simulated.plan().clone();
     plan.categories = vec![POST];
     let writer = DatasetWriter::create(folder.path().join("posts"), plan, false).unwrap();
     for (position, recording) in recordings.iter().enumerate() {

@@ -27,8 +27,8 @@ mod unfinished;
 mod whole_file;
 
 pub use dataset::{
-    ArmText, Dataset, DatasetPlan, DatasetWriter, FeatureInfo, FileText, Info, PlannedEpisode, Provenance, SceneText,
-    Shard, Shards, file_blake3, remove_dataset,
+    ArmText, Dataset, DatasetPlan, DatasetWriter, FileText, PlannedEpisode, Provenance, SceneText, Shard, Shards,
+    file_blake3, remove_dataset,
 };
 pub use error::DiskError;
 pub use input_file::{is_folder, is_there};

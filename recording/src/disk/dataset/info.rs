@@ -21,35 +21,35 @@ pub(crate) const MEGABYTES_PER_FILE: u64 = 100;
 pub(crate) const FILES_PER_CHUNK: usize = 1000;
 
 /// The content of `meta/info.json`, with LeRobot's names.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Info {
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Info {
     /// Version of LeRobot's layout, `v3.0`.
-    pub codebase_version: String,
+    pub(crate) codebase_version: String,
     /// Name of the robot.
-    pub robot_type: String,
+    pub(crate) robot_type: String,
     /// Number of reaches.
-    pub total_episodes: usize,
+    pub(crate) total_episodes: usize,
     /// Total number of frames.
-    pub total_frames: usize,
+    pub(crate) total_frames: usize,
     /// Number of different tasks.
-    pub total_tasks: usize,
+    pub(crate) total_tasks: usize,
     /// Data files per folder.
-    pub chunks_size: usize,
+    pub(crate) chunks_size: usize,
     /// Size at which a new data file is started, MB.
-    pub data_files_size_in_mb: u64,
+    pub(crate) data_files_size_in_mb: u64,
     /// Size at which a new video file would be started, MB; there are none.
-    pub video_files_size_in_mb: u64,
+    pub(crate) video_files_size_in_mb: u64,
     /// Frames per second.
     #[serde(serialize_with = "serialize_rate")]
-    pub fps: f64,
+    pub(crate) fps: f64,
     /// Episodes by split; only `train`, as `0:N`.
-    pub splits: BTreeMap<String, String>,
+    pub(crate) splits: BTreeMap<String, String>,
     /// Pattern of the data files' paths.
-    pub data_path: String,
+    pub(crate) data_path: String,
     /// Pattern of the video files' paths; always `None`.
-    pub video_path: Option<String>,
+    pub(crate) video_path: Option<String>,
     /// The columns by name.
-    pub features: BTreeMap<String, FeatureInfo>,
+    pub(crate) features: BTreeMap<String, FeatureInfo>,
 }
 
 impl Info {
@@ -75,14 +75,14 @@ impl Info {
 }
 
 /// One column.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct FeatureInfo {
+#[derive(Serialize, Deserialize)]
+pub(crate) struct FeatureInfo {
     /// Type of its numbers, for instance `float64`.
-    pub dtype: String,
+    pub(crate) dtype: String,
     /// Numbers per row, as a list with one entry.
-    pub shape: Vec<usize>,
+    pub(crate) shape: Vec<usize>,
     /// Names of the numbers, unless they are taxels.
-    pub names: Option<Vec<String>>,
+    pub(crate) names: Option<Vec<String>>,
 }
 
 impl FeatureInfo {

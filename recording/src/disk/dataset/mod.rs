@@ -22,7 +22,6 @@ mod read;
 mod staging;
 
 pub use checksums::file_blake3;
-pub use info::{FeatureInfo, Info};
 pub use plan::{ArmText, DatasetPlan, FileText, PlannedEpisode, Provenance, SceneText, Shard};
 pub use read::reader::Dataset;
 pub use staging::folder::remove_dataset;

@@ -32,7 +32,7 @@ fn a_further_category_is_written_and_read() {
     }
     writer.finish().unwrap();
     let set = Dataset::open(folder.path()).unwrap();
-    assert_eq!(set.plan(), plan_with(&[REED]));
+    assert_eq!(set.plan(), &plan_with(&[REED]));
     for (index, expected) in with_reeds().iter().enumerate() {
         assert_eq!(&set.read_reach(index).unwrap(), expected);
     }

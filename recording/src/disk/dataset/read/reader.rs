@@ -22,17 +22,13 @@ use crate::disk::tables::truth_bodies::read_bodies;
 use crate::disk::tables::truth_tables::{
     add_contact_points, add_patches, add_poses, add_taxels, read_contacts, read_goals, read_map, read_objects,
 };
-use crate::{Category, DiskError, InputError, Recording, SkinLayout};
+use crate::{DiskError, InputError, Recording, SkinLayout};
 
 /// A finished data set on disk. Frames are read reach by reach.
 #[derive(Debug)]
 pub struct Dataset {
     dir: PathBuf,
-    info: Info,
-    categories: Vec<Category>,
-    provenance: Provenance,
-    joint_names: Vec<String>,
-    layout: SkinLayout,
+    plan: DatasetPlan,
     episodes: Vec<Episode>,
     pub(crate) checksums: Checksums,
     /// Files whose hashes have been checked.
@@ -122,19 +118,21 @@ impl Dataset {
             let field = "features.observation.state.names";
             InputError::new(dir.join(names::INFO), field, "nothing", "the names of the joints", REMEDY)
         })?;
-        let layout = read_taxels(&dir.join(names::TAXELS))?;
-        Ok(Dataset {
-            info,
-            categories,
+        let planned = |episode: &Episode| PlannedEpisode {
+            scene: episode.scene.clone(),
+            task: episode.task.clone(),
+            reach_index: episode.reach_index,
+        };
+        let plan = DatasetPlan {
             provenance,
+            robot: info.robot_type,
+            rate_hz: info.fps,
             joint_names,
-            layout,
-            episodes,
-            checksums,
-            checked: Mutex::new(checked),
-            footers: Footers::default(),
-            dir,
-        })
+            layout: read_taxels(&dir.join(names::TAXELS))?,
+            categories,
+            episodes: episodes.iter().map(planned).collect(),
+        };
+        Ok(Dataset { plan, episodes, checksums, checked: Mutex::new(checked), footers: Footers::default(), dir })
     }
 
     /// The folder.
@@ -142,19 +140,19 @@ impl Dataset {
         &self.dir
     }
 
-    /// The content of `meta/info.json`.
-    pub fn info(&self) -> &Info {
-        &self.info
+    /// The plan of the set.
+    pub fn plan(&self) -> &DatasetPlan {
+        &self.plan
     }
 
     /// The origin of the data.
     pub fn provenance(&self) -> &Provenance {
-        &self.provenance
+        &self.plan.provenance
     }
 
     /// The skin, the same in every reach.
     pub fn layout(&self) -> &SkinLayout {
-        &self.layout
+        &self.plan.layout
     }
 
     /// The reaches, in order.
@@ -166,24 +164,6 @@ impl Dataset {
     pub(super) fn episode(&self, index: usize) -> Result<&Episode, DiskError> {
         let error = || DiskError::NoSuchReach { dir: self.dir.clone(), index, count: self.episodes.len() };
         self.episodes.get(index).ok_or_else(error)
-    }
-
-    /// The plan of the set.
-    pub fn plan(&self) -> DatasetPlan {
-        let episode = |episode: &Episode| PlannedEpisode {
-            scene: episode.scene.clone(),
-            task: episode.task.clone(),
-            reach_index: episode.reach_index,
-        };
-        DatasetPlan {
-            provenance: self.provenance.clone(),
-            robot: self.info.robot_type.clone(),
-            rate_hz: self.info.fps,
-            joint_names: self.joint_names.clone(),
-            layout: self.layout.clone(),
-            categories: self.categories.clone(),
-            episodes: self.episodes.iter().map(episode).collect(),
-        }
     }
 
     /// Checks the hash of every file.
@@ -222,7 +202,7 @@ impl Dataset {
 
     /// The columns of the frames.
     pub(crate) fn features(&self) -> Vec<Feature> {
-        features(FRAME_COLUMNS, &self.joint_names, &self.layout)
+        features(FRAME_COLUMNS, &self.plan.joint_names, &self.plan.layout)
     }
 
     /// The path of a file of the set, for reading. Its hash is checked the first time. All tables are read through this
@@ -273,7 +253,7 @@ impl Dataset {
     /// # Errors
     /// [`DiskError::NoSuchReach`] for an index outside the set; [`DiskError::Input`] for damaged files.
     pub fn read_reach(&self, index: usize) -> Result<Recording, DiskError> {
-        let episode = self.episode(index)?;
+        let (plan, episode) = (&self.plan, self.episode(index)?);
         let file = |table: &Table| self.file(&names::table(table, episode.chunk_index, episode.file_index));
         let rows = |table: &Table| self.footers.rows(&file(table)?, index, &|_| Want::All);
         let mut recording = Recording {
@@ -281,13 +261,13 @@ impl Dataset {
             controller: episode.controller.clone(),
             seed: episode.seed,
             reach_index: episode.reach_index,
-            rate_hz: self.info.fps,
-            joint_names: self.joint_names.clone(),
-            layout: self.layout.clone(),
-            objects: read_objects(&rows(&TRUTH_OBJECTS)?.expect(episode.objects)?, &self.categories)?,
+            rate_hz: plan.rate_hz,
+            joint_names: plan.joint_names.clone(),
+            layout: plan.layout.clone(),
+            objects: read_objects(&rows(&TRUTH_OBJECTS)?.expect(episode.objects)?, &plan.categories)?,
             bodies: read_bodies(&rows(&TRUTH_BODIES)?)?,
-            goals: read_goals(&rows(&TRUTH_GOALS)?.expect(episode.goal_outcomes.tried())?, &self.layout)?,
-            contacts: read_contacts(&rows(&TRUTH_CONTACTS)?.expect(episode.contacts)?, &self.layout)?,
+            goals: read_goals(&rows(&TRUTH_GOALS)?.expect(episode.goal_outcomes.tried())?, &plan.layout)?,
+            contacts: read_contacts(&rows(&TRUTH_CONTACTS)?.expect(episode.contacts)?, &plan.layout)?,
             map: Vec::new(),
             frames: Vec::with_capacity(episode.frames),
             audit: episode.audit,

@@ -23,7 +23,7 @@ const MOST_NAMED: usize = 8;
 
 /// The plan of a part, without the fields that differ between parts.
 fn common(part: &Dataset) -> Result<Value, DiskError> {
-    let mut plan = part.plan();
+    let mut plan = part.plan().clone();
     plan.provenance.shard = None;
     plan.episodes.clear();
     serde_json::to_value(plan).map_err(DiskError::io(part.dir(), "compare"))
@@ -79,7 +79,7 @@ fn planned(plan: &DatasetPlan) -> impl Iterator<Item = (&str, u64)> {
 
 /// The reaches of the whole campaign, in order, from those of its parts.
 fn joined(parts: &[Dataset], whole: &DatasetPlan) -> Result<Vec<PlannedEpisode>, DiskError> {
-    let mut plans: Vec<_> = parts.iter().map(|part| part.plan().episodes.into_iter()).collect();
+    let mut plans: Vec<_> = parts.iter().map(|part| part.plan().episodes.iter()).collect();
     let count: usize = plans.iter().map(ExactSizeIterator::len).sum();
     let error = |part: usize, found: &str| -> DiskError {
         let allowed = "each reach of the campaign in the part to which it belongs";
@@ -95,7 +95,7 @@ fn joined(parts: &[Dataset], whole: &DatasetPlan) -> Result<Vec<PlannedEpisode>,
             let found = format!("reach {} of {}", episode.reach_index, episode.scene);
             return Err(error(part, &format!("{found} in place of reach {reach_index} of {scene}")));
         }
-        episodes.push(episode);
+        episodes.push(episode.clone());
     }
     match plans.iter().position(|rest| rest.len() > 0) {
         Some(part) => Err(error(part, "more reaches than the campaign has")),
@@ -133,7 +133,7 @@ impl Shards {
         }
         require_all(&places, count)?;
         let parts: Vec<Dataset> = places.into_values().collect();
-        let mut plan = parts[0].plan();
+        let mut plan = parts[0].plan().clone();
         plan.provenance.shard = None;
         plan.episodes = joined(&parts, &plan)?;
         Ok(Shards { parts, plan })
