@@ -6,7 +6,7 @@
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 
-use super::column::{Column, Rows, Type};
+use super::column::Column;
 
 /// Metadata key of the schema.
 const KEY: &str = "ARROW:schema";
@@ -75,48 +75,30 @@ fn append(bytes: &mut Vec<u8>, part: Part) -> usize {
     place
 }
 
-/// A field of a schema: name, nullable, number and content of its type, fields within it.
-fn field(name: &str, (kind, content): (i64, Vec<(usize, Part)>), children: Vec<Part>) -> Part {
+/// A field of a schema: name, nullable, number of its type and the numbers in that type's fields, fields within it.
+fn field(name: &str, (kind, numbers): (i64, &[i64]), children: Vec<Part>) -> Part {
     Part::Table(vec![
         (0, Part::Text(name.to_owned())),
         (1, Part::Number(1)),
         (2, Part::Number(kind)),
-        (3, Part::Table(content)),
+        (3, Part::Table(numbers.iter().copied().map(Part::Number).enumerate().collect())),
         (5, Part::Vector(children)),
     ])
 }
 
-/// Number and content of the type of a value.
-fn kind_of(value: Type) -> (i64, Vec<(usize, Part)>) {
-    let integer = |bits, signed| (2, vec![(0, Part::Number(bits)), (1, Part::Number(signed))]);
-    let float = |precision| (3, vec![(0, Part::Number(precision))]);
-    match value {
-        Type::Int8 => integer(8, 1),
-        Type::Int16 => integer(16, 1),
-        Type::Int32 => integer(32, 1),
-        Type::Int64 => integer(64, 1),
-        Type::Uint32 => integer(32, 0),
-        Type::Uint64 => integer(64, 0),
-        Type::Float32 => float(1),
-        Type::Float64 => float(2),
-        Type::Text => (5, Vec::new()),
-        Type::Bool => (6, Vec::new()),
-    }
-}
-
 /// The entry of the metadata; `None` if no column has a fixed width.
 pub(super) fn entry(columns: &[Column]) -> Option<(&'static str, String)> {
-    let is_wide = |column: &Column| matches!(column.rows, Rows::Fixed(width) if width > 1);
+    let is_wide = |column: &Column| column.width().is_some_and(|width| width > 1);
     if !columns.iter().any(is_wide) {
         return None;
     }
     let fields = columns.iter().map(|column| {
-        let value = kind_of(column.values.type_of());
+        let value = column.values.type_of().arrow();
         let item = |value| vec![field("item", value, Vec::new())];
-        match column.rows {
-            Rows::Fixed(1) | Rows::Optional(_) => field(&column.name, value, Vec::new()),
-            Rows::Fixed(width) => field(&column.name, (16, vec![(0, Part::Number(width as i64))]), item(value)),
-            Rows::Lists { .. } => field(&column.name, (12, Vec::new()), item(value)),
+        match column.width() {
+            Some(1) => field(&column.name, value, Vec::new()),
+            Some(width) => field(&column.name, (16, &[width as i64]), item(value)),
+            None => field(&column.name, (12, &[]), item(value)),
         }
     });
     let schema = Part::Table(vec![(1, Part::Vector(fields.collect()))]);

@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::column::{Column, Rows, Text, Value};
-use super::row::{Row, part_names};
+use super::column::{Column, Text, Value};
+use super::row::{Row, Width, part_names};
 use crate::{DiskError, InputError};
 
 /// Rows of a table, column by column.
@@ -50,15 +50,9 @@ impl Batch {
     /// The values of a column with `width` of them in each row, none missing.
     pub(crate) fn fixed<T: Value>(&self, name: &str, width: usize) -> Result<&[T], DiskError> {
         let column = self.column(name)?;
-        let allowed = || match width {
-            1 => format!("a column of {} without nulls", T::TYPE.name()),
-            _ => format!("lists of {width} {} without nulls", T::TYPE.name()),
-        };
-        match (T::of(&column.values), &column.rows) {
-            (Some(values), Rows::Fixed(found)) if *found == width => Ok(values),
-            (Some(_), Rows::Optional(_)) => Err(self.error(name, format!("{} nulls", column.missing()), allowed())),
-            _ => Err(self.error(name, format!("a column of {}", column.kind()), allowed())),
-        }
+        let fits = column.fits(T::TYPE, Some(width), false);
+        fits.map_err(|(found, allowed)| self.error(name, found, allowed))?;
+        Ok(T::of(&column.values).unwrap_or_default())
     }
 
     /// A whole number that has to fit into another type.
@@ -76,9 +70,11 @@ impl Batch {
     pub(crate) fn rows_as<R: Row>(&self) -> Result<Vec<R>, DiskError> {
         let mut columns = Vec::new();
         for described in R::COLUMNS {
+            let width = if matches!(described.width, Width::List) { None } else { Some(1) };
             for name in part_names(described) {
                 let column = self.column(&name)?;
-                described.fits(column).map_err(|(found, allowed)| self.error(&name, found, allowed))?;
+                let fits = column.fits(described.value, width, described.optional);
+                fits.map_err(|(found, allowed)| self.error(&name, found, allowed))?;
                 columns.push(column);
             }
         }

@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
+use parquet::basic::{LogicalType, Type as Physical};
+
 /// Text, which several rows may share.
 pub type Text = Arc<str>;
 
 macro_rules! types {
-    ($($variant:ident($value:ty), $name:literal;)*) => {
+    ($($variant:ident($value:ty), $name:literal, ($physical:ident, $logical:expr), ($arrow:literal, $fields:expr);)*) => {
         /// The type of a value.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(crate) enum Type {
@@ -18,6 +20,20 @@ macro_rules! types {
             pub(crate) fn name(self) -> &'static str {
                 match self {
                     $(Type::$variant => $name,)*
+                }
+            }
+
+            /// What it is in Parquet.
+            pub(crate) fn parquet(self) -> (Physical, Option<LogicalType>) {
+                match self {
+                    $(Type::$variant => (Physical::$physical, $logical),)*
+                }
+            }
+
+            /// The number of its type in Arrow's format, and the numbers in the fields of that type.
+            pub(crate) fn arrow(self) -> (i64, &'static [i64]) {
+                match self {
+                    $(Type::$variant => ($arrow, &$fields),)*
                 }
             }
         }
@@ -71,16 +87,21 @@ macro_rules! types {
     };
 }
 types! {
-    Int8(i8), "int8";
-    Int16(i16), "int16";
-    Int32(i32), "int32";
-    Int64(i64), "int64";
-    Uint32(u32), "uint32";
-    Uint64(u64), "uint64";
-    Float32(f32), "float32";
-    Float64(f64), "float64";
-    Bool(bool), "bool";
-    Text(Text), "text";
+    Int8(i8), "int8", (INT32, integer(8, true)), (2, [8, 1]);
+    Int16(i16), "int16", (INT32, integer(16, true)), (2, [16, 1]);
+    Int32(i32), "int32", (INT32, None), (2, [32, 1]);
+    Int64(i64), "int64", (INT64, None), (2, [64, 1]);
+    Uint32(u32), "uint32", (INT32, integer(32, false)), (2, [32, 0]);
+    Uint64(u64), "uint64", (INT64, integer(64, false)), (2, [64, 0]);
+    Float32(f32), "float32", (FLOAT, None), (3, [1]);
+    Float64(f64), "float64", (DOUBLE, None), (3, [2]);
+    Bool(bool), "bool", (BOOLEAN, None), (6, []);
+    Text(Text), "text", (BYTE_ARRAY, Some(LogicalType::String)), (5, []);
+}
+
+/// Integers of other widths than Parquet's own, or without a sign.
+fn integer(bit_width: i8, is_signed: bool) -> Option<LogicalType> {
+    Some(LogicalType::integer(bit_width, is_signed))
 }
 
 /// A value that a column can hold.
@@ -140,13 +161,18 @@ impl Column {
         }
     }
 
+    /// Number of values in each row; `None` for lists of any length.
+    pub(crate) fn width(&self) -> Option<usize> {
+        match self.rows {
+            Rows::Fixed(width) => Some(width),
+            Rows::Optional(_) => Some(1),
+            Rows::Lists { .. } => None,
+        }
+    }
+
     /// Whether its type in a file is a list.
     pub(crate) fn has_lists(&self) -> bool {
-        match self.rows {
-            Rows::Fixed(width) => width > 1,
-            Rows::Optional(_) => false,
-            Rows::Lists { .. } => true,
-        }
+        self.width().is_none_or(|width| width > 1)
     }
 
     /// The values of a row; none if the row has no value.
@@ -182,11 +208,31 @@ impl Column {
 
     /// Its type, as errors name it.
     pub(crate) fn kind(&self) -> String {
-        let name = self.values.type_of().name();
-        match self.rows {
-            Rows::Fixed(1) | Rows::Optional(_) => name.into(),
-            Rows::Fixed(width) => format!("{width} {name} in each row"),
-            Rows::Lists { .. } => format!("lists of {name}"),
-        }
+        kind_of(self.values.type_of(), self.width())
+    }
+
+    /// Whether it has values of this type, so many in each row (`None` for lists of any length), and misses none unless
+    /// `optional`; otherwise what it is and what is allowed.
+    pub(crate) fn fits(&self, value: Type, width: Option<usize>, optional: bool) -> Result<(), (String, String)> {
+        let (is_of_type, missing) = (self.values.type_of() == value, self.missing());
+        let found = if is_of_type && missing > 0 && !optional {
+            format!("{missing} nulls")
+        } else if is_of_type && self.width() == width {
+            return Ok(());
+        } else {
+            format!("a column of {}", self.kind())
+        };
+        let without = if optional { "" } else { " without nulls" };
+        Err((found, format!("a column of {}{without}", kind_of(value, width))))
+    }
+}
+
+/// A type with the number of values in each row, as errors name it.
+fn kind_of(value: Type, width: Option<usize>) -> String {
+    let name = value.name();
+    match width {
+        Some(1) => name.into(),
+        Some(width) => format!("{width} {name} in each row"),
+        None => format!("lists of {name}"),
     }
 }

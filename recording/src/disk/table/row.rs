@@ -39,18 +39,6 @@ pub(crate) struct Described {
 }
 
 impl Described {
-    /// Whether a column of a file is as described; otherwise what it is and what is allowed.
-    pub(crate) fn fits(&self, column: &Column) -> Result<(), (String, String)> {
-        let missing = column.missing();
-        if column.values.type_of() != self.value || column.has_lists() != matches!(self.width, Width::List) {
-            return Err((format!("a column of {}", column.kind()), self.kind()));
-        }
-        match missing > 0 && !self.optional {
-            true => Err((format!("{missing} nulls"), "no nulls".into())),
-            false => Ok(()),
-        }
-    }
-
     /// Its type in the documents.
     pub(crate) fn kind(&self) -> String {
         let value = self.value.name();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bytes::Bytes;
-use parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel};
+use parquet::basic::{Compression, Encoding, LogicalType, Repetition, ZstdLevel};
 use parquet::column::writer::{ColumnCloseResult, ColumnWriter, ColumnWriterImpl, get_column_writer};
 use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::ParquetError;
@@ -33,19 +33,7 @@ const VALUES_PER_LOOK: usize = 1024;
 
 /// The type of a column in the schema of a file.
 fn schema_of(column: &Column) -> Result<TypePtr, ParquetError> {
-    let integer = |bit_width, is_signed| Some(LogicalType::integer(bit_width, is_signed));
-    let (physical, logical) = match column.values.type_of() {
-        Type::Int8 => (Physical::INT32, integer(8, true)),
-        Type::Int16 => (Physical::INT32, integer(16, true)),
-        Type::Int32 => (Physical::INT32, None),
-        Type::Int64 => (Physical::INT64, None),
-        Type::Uint32 => (Physical::INT32, integer(32, false)),
-        Type::Uint64 => (Physical::INT64, integer(64, false)),
-        Type::Float32 => (Physical::FLOAT, None),
-        Type::Float64 => (Physical::DOUBLE, None),
-        Type::Bool => (Physical::BOOLEAN, None),
-        Type::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
-    };
+    let (physical, logical) = column.values.type_of().parquet();
     let lists = column.has_lists();
     let value = Schema::primitive_type_builder(if lists { "item" } else { &column.name }, physical)
         .with_repetition(Repetition::OPTIONAL)

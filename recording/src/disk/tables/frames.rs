@@ -274,15 +274,7 @@ impl Feature {
             }
             _ => column,
         };
-        let fits = match self.width {
-            Some(width) if column.rows != Rows::Fixed(width) || column.values.type_of() != described.value => {
-                let nulls = column.missing();
-                let found = if nulls > 0 { format!("{nulls} nulls") } else { format!("a column of {}", column.kind()) };
-                Err((found, format!("{width} {} in each row, without nulls", described.value.name())))
-            }
-            Some(_) => Ok(()),
-            None => described.fits(column),
-        };
+        let fits = column.fits(described.value, self.width, described.optional);
         fits.and_then(|()| take(recording, first, self.patch, column))
             .map_err(|(found, allowed)| batch.error(&self.name, found, allowed))
     }
