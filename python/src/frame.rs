@@ -26,14 +26,6 @@ const QUATERNION_TOLERANCE: f64 = 2e-3;
 /// Force that a taxel senses, as in the live stream.
 const FORCE_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
 
-/// The pose from its seven numbers.
-fn pose_of(numbers: &[f64]) -> Pose {
-    Pose {
-        position: DVec3::new(numbers[0], numbers[1], numbers[2]),
-        orientation: DQuat::from_xyzw(numbers[3], numbers[4], numbers[5], numbers[6]),
-    }
-}
-
 impl PyFrame {
     /// Whether the frame has the pose of a patch.
     pub fn has_pose(&self, patch: usize) -> bool {
@@ -91,7 +83,7 @@ impl PyFrame {
         let mut poses = vec![NO_POSE; layout.patches.len()];
         for (name, value) in patch_poses.into_iter().flatten() {
             let (name, index) = patch_of(&name)?;
-            let pose = pose_of(&array::finite(&value, &name, &[Some(7)])?);
+            let pose = Pose::from_numbers(&array::finite(&value, &name, &[Some(7)])?);
             let length = pose.orientation.length();
             if (length - 1.0).abs() > QUATERNION_TOLERANCE {
                 let found = format!("a quaternion of length {length} for the patch {name}");

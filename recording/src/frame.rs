@@ -49,6 +49,11 @@ impl Pose {
         Pose::new(DVec3::ZERO, orientation)
     }
 
+    /// The pose with the first seven of these numbers, as [`Pose::numbers`] gives them.
+    pub fn from_numbers(numbers: &[f64]) -> Self {
+        Pose::new(DVec3::from_slice(numbers), DQuat::from_slice(&numbers[3..]))
+    }
+
     /// Position x, y, z, m, and orientation x, y, z, w.
     pub fn numbers(&self) -> [f64; 7] {
         let ([x, y, z], [i, j, k, w]) = (self.position.to_array(), self.orientation.to_array());

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 
 use crate::disk::table::{Batch, Column, Described, Rows, Type, Value, Values, Want, Width};
 use crate::{DiskError, Frame, Pose, Recording, SkinLayout, TaxelReading, TrackPoint};
@@ -183,7 +183,7 @@ pub(crate) static FRAME_COLUMNS: &[FrameColumn] = frame_columns! {
         take |recording, place, from| set(&mut recording.frames[place.frame].equilibrium_angle_rad, from.to_vec());
     "observation.tip_pose": POSE, f64, "m, 1", "pose of the end effector in the world frame: x y z, quaternion x y z w";
         give_rows give |rows, place, to| to.copy_from_slice(&rows.frame(place).end_effector_pose_world.numbers());
-        take |recording, place, from| set(&mut recording.frames[place.frame].end_effector_pose_world, pose(from));
+        take |recording, place, from| set(&mut recording.frames[place.frame].end_effector_pose_world, Pose::from_numbers(from));
     "goal_position": POSITION, f64, "m", "current goal of the end effector, world frame";
         give_rows give |rows, place, to| rows.frame(place).goal_position_world.write_to_slice(to);
         take |recording, place, from| {
@@ -199,7 +199,7 @@ pub(crate) static FRAME_COLUMNS: &[FrameColumn] = frame_columns! {
             quaternion x y z w";
         give_rows give |rows, place, to| to.copy_from_slice(&rows.frame(place).patch_pose_world[place.patch].numbers());
         take |recording, place, from| {
-            set(&mut recording.frames[place.frame].patch_pose_world[place.patch], pose(from))
+            set(&mut recording.frames[place.frame].patch_pose_world[place.patch], Pose::from_numbers(from))
         };
     "observation.tactile.PATCH": Width::Taxels(1), f32, "N", "normal force that each taxel reports, by taxel index";
         give_rows give |rows, place, to| give_readings(rows, place, to, |reading| reading.sensed_force_n as f32);
@@ -339,10 +339,6 @@ pub(crate) fn reading_of(recording: &mut Recording, place: Place, taxel: usize) 
         position
     });
     &mut taxels[position]
-}
-
-fn pose(numbers: &[f64]) -> Pose {
-    Pose { position: DVec3::from_slice(numbers), orientation: DQuat::from_slice(&numbers[3..]) }
 }
 
 /// Whether a number is the one stored for taxels that a frame does not list: 0, but not −0, so that reading is exact.
