@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use underbrush_classifier::DataSource;
 use underbrush_experiments::{VerdictControl, contact_trials, dataset, model_data};
 use underbrush_recording::disk::{
-    Dataset, Episode, check_free, read_recording, recording_columns, recording_table, remove_leftovers, write_recording,
+    Dataset, Episode, check_free, read_recording, recording_columns, recording_table, write_recording,
 };
 use underbrush_recording::{Body, Recording, SkinLayout};
 use underbrush_render::Stage;
@@ -155,7 +155,6 @@ impl Reach {
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> Result<(), Failure> {
         alone(py, || {
             check_free(&path, force)?;
-            remove_leftovers(&path);
             Ok(write_recording(&path, &*self.recording()?)?)
         })
     }

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use clap::{Args, value_parser};
 use glam::DVec3;
 use serde_json::json;
-use underbrush_recording::disk::remove_leftovers;
 use underbrush_recording::{InputError, Recording};
 use underbrush_render::{Camera, Film, RenderError, Size, Stage, fullest};
 use underbrush_replay::Source;
@@ -88,7 +87,6 @@ impl PictureArguments {
             None => (self.still(&recording, &stage, camera.as_ref())?, 1),
             Some(_) => self.film(&recording, &stage, camera.as_ref())?,
         };
-        remove_leftovers(path);
         output::write_file(path, &bytes)?;
         let (bytes, path) = (bytes.len(), path.display().to_string());
         output::result(json, &json!({ "file": path, "pictures": frames, "bytes": bytes }), || {

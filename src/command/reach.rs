@@ -8,7 +8,7 @@ use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::trial::{PatchImage, TrialOptions, Unit};
 use underbrush_experiments::{audit, contact_trials, dataset};
-use underbrush_recording::disk::{remove_leftovers, write_recording};
+use underbrush_recording::disk::write_recording;
 use underbrush_recording::{Audit, GoalRecord, NamedStop, Recording};
 use underbrush_report::drawing::Rows;
 use underbrush_sim::{ControllerKind, ReachPlan, ReachSoFar, Scene};
@@ -132,7 +132,6 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
     let wall_s = start.elapsed().as_secs_f64();
     // The recording is written first, so that a failure below does not lose it.
     if let Some(path) = &options.out {
-        remove_leftovers(path);
         write_recording(path, &recording)?;
     }
     if let Some(path) = &options.picture {

@@ -9,7 +9,6 @@ use serde_json::json;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::{OnlineOptions, Scores};
 use underbrush_experiments::model_data;
-use underbrush_recording::disk::remove_leftovers;
 use underbrush_replay::{Judging, JudgingModel, Server, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
@@ -128,7 +127,6 @@ fn write(source: &Source, chosen: &[usize], path: &Path, json: bool) -> Result<(
     let all: Vec<usize> = (0..source.reaches.len()).collect();
     let numbers = if chosen.is_empty() { &all } else { chosen };
     let page = single_file(source, numbers, MAX_PAGE_BYTES)?;
-    remove_leftovers(path);
     output::write_file(path, page.as_bytes())?;
     let (reaches, bytes, path) = (numbers.len(), page.len(), path.display().to_string());
     output::result(json, &json!({ "file": path, "reaches": reaches, "bytes": bytes }), || {

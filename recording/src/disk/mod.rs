@@ -40,4 +40,4 @@ pub use tables::dictionary::is_of_joints_or_taxels;
 pub use tables::episode::Episode;
 pub use trials::{COLUMNS as TRIAL_COLUMNS, channel_names, read_trials, trial_table, write_trials};
 pub use unfinished::{UnfinishedFolder, abandon_unfinished_files};
-pub use whole_file::{remove_leftovers, write_file};
+pub use whole_file::write_file;

@@ -11,6 +11,7 @@ use super::tables::frames::{
     FRAME_COLUMNS, Feature, Numbering, ReachRows, append_frames, columns_of, features, wanted,
 };
 use super::tables::truth_columns::{TRUTH_COLUMNS, moves};
+use super::whole_file::remove_leftovers;
 use super::{DiskError, seal};
 use crate::{InputError, Recording};
 
@@ -59,7 +60,7 @@ pub(super) fn batches(frames: usize) -> impl Iterator<Item = Range<usize>> {
 
 /// Writes a reach to a Parquet file (zstd). All forces and angles are stored exactly.
 ///
-/// The file gets its name only when it is complete, and contains its own hash. Its columns are those of a data set
+/// The file gets its name only when it is complete, and contains its own hash. Leftovers of killed processes are removed. Its columns are those of a data set
 /// (LeRobotDataset v3.0), with episode 0 and task 0. `timestamp` is frame index / rate in single precision, and
 /// `time_s` is the exact time.
 ///
@@ -76,6 +77,7 @@ fn write_to(path: &Path, recording: &Recording) -> Result<(), DiskError> {
     let header = serde_json::to_string(recording).map_err(DiskError::io(path, "write"))?;
     let (features, rows) = (features_of(recording), rows_of(recording));
     let none = columns_of(&features, &rows, 0..0);
+    remove_leftovers(path);
     let mut file = ParquetFile::create(
         path,
         &none,

@@ -90,7 +90,7 @@ pub(super) fn commit(temporary: TemporaryFile, path: &Path) -> Result<(), DiskEr
 
 /// Removes temporary files for `path` that killed processes have left behind. Files of living processes are locked and
 /// stay. Files that cannot be removed are ignored, since they do no harm.
-pub fn remove_leftovers(path: &Path) {
+pub(super) fn remove_leftovers(path: &Path) {
     let prefix = prefix_of(path);
     let Ok(entries) = fs::read_dir(folder_of(path)) else {
         return;

@@ -3,8 +3,9 @@
 use std::fs::{self, File};
 use std::path::Path;
 
+use super::reach;
 use crate::DiskError;
-use crate::disk::{write_file, write_trials};
+use crate::disk::{write_file, write_recording, write_trials};
 
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();
@@ -43,8 +44,11 @@ fn leftovers_of_an_output_go_with_its_next_run() {
     // A process that another test starts has a copy of the file until it runs its program, so dropping this one may not unlock it.
     writer.unlock().unwrap();
     write_file(&folder.join("trials.csv"), b"anew").unwrap();
-    assert_eq!(names(folder), [".hidden".to_owned(), others, "trials.csv".to_owned()]);
+    assert_eq!(names(folder), [".hidden", &others, "trials.csv"]);
     assert_eq!(fs::read(folder.join("trials.csv")).unwrap(), b"anew");
+    leftover(folder, "reach.parquet", "abandoned");
+    write_recording(folder.join("reach.parquet"), &reach(0, 5)).unwrap();
+    assert_eq!(names(folder), [".hidden", &others, "reach.parquet", "trials.csv"]);
 }
 
 /// Tests that a folder or a device is refused and not replaced.
