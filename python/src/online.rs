@@ -138,5 +138,6 @@ pub fn online(
     let decision = arguments::decision(decision, &Scores::of_any_kind())?;
     let options = OnlineOptions::new(patch, threshold_n, decision);
     let judge = OnlineJudge::OfTrials(Box::new(OnlineClassifier::new(&own, &skin.layout, &options)?));
-    Ok(Online { raised: Some(own.raised), ..Online::new(judge, own.categories, skin, Vec::new()) })
+    let needs_poses_of = options.needs_pose_of(&own, &skin.layout).into_iter().collect();
+    Ok(Online { raised: Some(own.raised), ..Online::new(judge, own.categories, skin, needs_poses_of) })
 }

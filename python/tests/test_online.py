@@ -233,6 +233,9 @@ def test_bad_frames_are_refused(data: ub.Dataset) -> None:
     for classifier in (moving, ub.TouchModel.fit(list(data))):
         with pytest.raises(ub.InputError, match="no pose of the patch forearm"):
             classifier.online(data.skin).update(ub.Frame(data.skin, 0.0, {}))
+    own = FixedWindow(LogisticRegression(max_iter=300), features="force,motion").fit_trials(data.trials())
+    with pytest.raises(ub.InputError, match="no pose of the patch forearm"):
+        ub.online(own, data.skin).update(ub.Frame(data.skin, 0.0, {}))
     with pytest.raises(ub.InputError, match="quaternion of length 2"):
         ub.Frame(data.skin, 0.0, {}, {"forearm": [0, 0, 0, 0, 0, 0, 2]})
     other = ub.Skin._from_json('{"patches": []}')
