@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use underbrush_recording::limits::{self, Limits};
-use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading};
+use underbrush_recording::limits::{POSITION_M, SENSED_FORCE_N, TIME_S};
+use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading, short, unit_quaternion};
 
 use crate::{Answer, Failure, Skin, array, json, patch_index};
 
@@ -19,12 +19,6 @@ pub struct PyFrame {
 
 /// The pose of a patch whose pose was not given. No rotation has this quaternion.
 const NO_POSE: Pose = Pose { position: DVec3::ZERO, orientation: DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0) };
-
-/// How far the length of a given quaternion may be from 1. Choice: enough for one written with three digits.
-const QUATERNION_TOLERANCE: f64 = 2e-3;
-
-/// Force that a taxel senses, as in the live stream.
-const FORCE_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
 
 impl PyFrame {
     /// Whether the frame has the pose of a patch.
@@ -70,10 +64,10 @@ impl PyFrame {
             let (name, patch) = patch_of(&name)?;
             let forces = array::finite(&value, &name, &[Some(layout.patches[patch].taxels.len())])?;
             for (taxel, &sensed_force_n) in forces.iter().enumerate().filter(|(_, force)| **force != 0.0) {
-                if !FORCE_N.hold(sensed_force_n) {
+                if !SENSED_FORCE_N.hold(sensed_force_n) {
                     let found = format!("{sensed_force_n} N on taxel {taxel} of the patch {name}");
                     let remedy = "give newtons, and 0 where the zero of a sensor has drifted below 0";
-                    return Err(Failure::argument("sensed_force_n", found, FORCE_N.to_string(), remedy));
+                    return Err(Failure::argument("sensed_force_n", found, SENSED_FORCE_N.to_string(), remedy));
                 }
                 let (patch, taxel) = (patch as u16, taxel as u16);
                 taxels.push(TaxelReading { patch, taxel, sensed_force_n, ..TaxelReading::default() });
@@ -83,17 +77,23 @@ impl PyFrame {
         let mut poses = vec![NO_POSE; layout.patches.len()];
         for (name, value) in patch_poses.into_iter().flatten() {
             let (name, index) = patch_of(&name)?;
-            let pose = Pose::from_numbers(&array::finite(&value, &name, &[Some(7)])?);
-            let length = pose.orientation.length();
-            if (length - 1.0).abs() > QUATERNION_TOLERANCE {
+            let numbers = array::finite(&value, &name, &[Some(7)])?;
+            let (position, quaternion) =
+                ([0, 1, 2].map(|place| numbers[place]), [3, 4, 5, 6].map(|place| numbers[place]));
+            if let Some(outside) = position.iter().find(|own| !POSITION_M.hold(**own)) {
+                let found = format!("the coordinate {} of the patch {name}", short(*outside));
+                return Err(Failure::argument("patch_poses", found, POSITION_M.to_string(), "give metres"));
+            }
+            let orientation = unit_quaternion(quaternion).ok_or_else(|| {
+                let length = DQuat::from_array(quaternion).length();
                 let found = format!("a quaternion of length {length} for the patch {name}");
                 let allowed = "x, y, z in metres, and a quaternion x, y, z, w of length 1";
-                return Err(Failure::argument("patch_poses", found, allowed, "normalize the quaternion"));
-            }
-            poses[index] = pose;
+                Failure::argument("patch_poses", found, allowed, "normalize the quaternion")
+            })?;
+            poses[index] = Pose::new(DVec3::from_array(position), orientation);
         }
-        if !time_s.is_finite() {
-            return Err(Failure::argument("time_s", time_s.to_string(), "a finite time", "give seconds"));
+        if !TIME_S.hold(time_s) {
+            return Err(Failure::argument("time_s", short(time_s), TIME_S.to_string(), "give seconds"));
         }
         let frame = Frame { time_s, patch_pose_world: poses, taxels, ..Frame::blank(layout.patches.len()) };
         Ok(PyFrame { frame, layout })

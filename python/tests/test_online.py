@@ -69,6 +69,16 @@ def test_frames_of_an_own_robot(data: ub.Dataset) -> None:
     assert felt > 0
 
 
+def test_given_quaternions_are_normalized(data: ub.Dataset) -> None:
+    """Tests that a frame normalizes a quaternion with three digits, and keeps one of unit length bit for bit."""
+
+    def kept(quaternion: list[float]) -> np.ndarray:
+        return ub.Frame(data.skin, 0.0, {}, {"forearm": [0, 0, 0, *quaternion]}).patch_pose_world("forearm")[3:]
+
+    assert abs(np.linalg.norm(kept([0.0, 0.0, 0.707, 0.707])) - 1.0) < 1e-15
+    assert list(kept([0.0, 0.0, 0.6, 0.8])) == [0.0, 0.0, 0.6, 0.8]
+
+
 def test_scikit_learn_classifies_online(data: ub.Dataset) -> None:
     """Tests that a scikit-learn classifier gives the same scores in a stream as when it is called with the samples so
     far."""
@@ -249,8 +259,11 @@ def test_bad_frames_are_refused(data: ub.Dataset) -> None:
         ub.Frame(data.skin, 0.0, {"forearm": np.ma.masked_greater(np.full(384, 1e5), 1e4)})
     with pytest.raises(ub.InputError, match="hand"):
         model.online(data.skin, "hand")
-    with pytest.raises(ub.InputError, match="finite time"):
-        ub.Frame(data.skin, float("nan"), {})
+    for time_s in (float("nan"), 1e11):
+        with pytest.raises(ub.InputError, match="allowed: -1e10 to 1e10 s"):
+            ub.Frame(data.skin, time_s, {})
+    with pytest.raises(ub.InputError, match="coordinate 1e300 of the patch forearm; allowed: -1e8 to 1e8 m"):
+        ub.Frame(data.skin, 0.0, {}, {"forearm": [1e300, 0, 0, 0, 0, 0, 1]})
     for force_n in (-0.01, 1.1e4):
         forces = np.zeros(384)
         forces[7] = force_n

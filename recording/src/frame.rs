@@ -87,6 +87,28 @@ impl Pose {
     }
 }
 
+/// How far the length of a given quaternion may be from 1. Choice: enough for one written with three digits.
+const QUATERNION_TOLERANCE: f64 = 2e-3;
+/// A quaternion nearer to length 1 than this is not normalized, so that frames of a recording that are given again have the
+/// same scores, bit for bit, as its file.
+const QUATERNION_ROUNDING: f64 = 1e-9;
+
+/// A quaternion x, y, z, w that someone gives, normalized if it was rounded; `None` if its length is not 1.
+///
+/// ```
+/// use underbrush_recording::unit_quaternion;
+///
+/// assert!((unit_quaternion([0.0, 0.0, 0.707, 0.707]).unwrap().length() - 1.0).abs() < 1e-15);
+/// assert_eq!(unit_quaternion([0.0, 0.0, 1.0, 1.0]), None);
+/// ```
+pub fn unit_quaternion(numbers: [f64; 4]) -> Option<DQuat> {
+    let quaternion = DQuat::from_array(numbers);
+    let error = (quaternion.length() - 1.0).abs();
+    // It is infinite if the length overflows, and then no number is within the tolerance.
+    (error <= QUATERNION_TOLERANCE)
+        .then(|| if error <= QUATERNION_ROUNDING { quaternion } else { quaternion.normalize() })
+}
+
 /// `outer * inner` is the pose, in the outer frame, of a frame whose pose in the local frame is `inner`.
 impl Mul for Pose {
     type Output = Pose;

@@ -45,7 +45,7 @@ pub use contact_point::ContactPoint;
 pub use disk::{Dataset, DiskError};
 pub use distinct::distinct;
 pub use fault::Fault;
-pub use frame::{FRAME_PERIOD_S, Frame, Pose, TaxelReading};
+pub use frame::{FRAME_PERIOD_S, Frame, Pose, TaxelReading, unit_quaternion};
 pub use input_error::InputError;
 pub use layout::{Grid, Patch, SkinLayout, Taxel};
 pub use limits::{JSON_BYTES, Limits, TEXT_BYTES, short};

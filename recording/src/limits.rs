@@ -78,6 +78,14 @@ pub const TIME_S: Limits = Limits::new(-1e10, 1e10, "s");
 /// weight of a tonne, which no tactile skin survives.
 pub const FORCE_N: Limits = Limits::new(-1.0, 1e4, "N");
 
+/// Force that a taxel senses, in frames that a robot sends. Nothing pulls on skin, so a sensor whose zero drifts below 0 must
+/// send 0 or leave the taxel out.
+pub const SENSED_FORCE_N: Limits = Limits::new(0.0, FORCE_N.max, "N");
+
+/// Coordinates of a patch, in frames that a robot sends. Choice: large enough for global coordinates. Motion is a difference of
+/// coordinates, and is still accurate to some nanometres.
+pub const POSITION_M: Limits = Limits::new(-1e8, 1e8, "m");
+
 /// Path length of a contact. Only noise can make it negative. An arm on a moving base may drag a contact along for up
 /// to a kilometre.
 pub const MOTION_M: Limits = Limits::new(-0.01, 1e3, "m");

@@ -1,8 +1,8 @@
 //! One line of the live stream: a frame of the skin, checked as far as the model uses it.
 
-use glam::{DQuat, DVec3};
-use underbrush_recording::limits::{self, Limits};
-use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading};
+use glam::DVec3;
+use underbrush_recording::limits::{Limits, POSITION_M, SENSED_FORCE_N, TIME_S};
+use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading, unit_quaternion};
 
 use super::json::{self, LineError, Spot};
 
@@ -14,18 +14,6 @@ pub enum Message {
     /// A new reach begins: contacts of the last one end, and time may start again.
     Reset,
 }
-
-/// Force that a taxel senses. Nothing pulls on skin, so a sensor whose zero drifts below 0 must send 0 or leave the
-/// taxel out.
-const FORCE_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
-/// Coordinates of a patch. Choice: large enough for global coordinates. Motion is a difference of coordinates, and is
-/// still accurate to some nanometres.
-const POSITION_M: Limits = Limits::new(-1e8, 1e8, "m");
-/// How far the length of a quaternion may be from 1. Choice: enough for one written with three digits.
-const QUATERNION_TOLERANCE: f64 = 2e-3;
-/// A quaternion nearer to length 1 than this is not normalized, so that a recording that is sent as lines gives the
-/// same scores, bit for bit, as its file.
-const QUATERNION_ROUNDING: f64 = 1e-9;
 
 /// Reads the lines of one stream.
 ///
@@ -88,7 +76,7 @@ impl LineParser {
 
     fn time_s(&self, line: &Spot<'_>) -> Result<f64, LineError> {
         let spot = line.need("time_s", "the time of the frame in seconds")?;
-        let time_s = number(&spot, limits::TIME_S)?;
+        let time_s = number(&spot, TIME_S)?;
         match self.last {
             Some((last_s, last_line)) if time_s <= last_s => Err(spot.error(format!(
                 "later than {last_s} s, the time of line {last_line}; for a new reach send {{\"reset\":true}} first"
@@ -112,7 +100,7 @@ impl LineParser {
             let place = taxel.and_then(|taxel| Some((u16::try_from(patch).ok()?, u16::try_from(taxel).ok()?)));
             let (patch, taxel) = place.ok_or_else(|| taxel_spot.error(allowed))?;
             let force = reading.need("sensed_force_n", "the normal force in newtons")?;
-            let sensed_force_n = number(&force, FORCE_N)?;
+            let sensed_force_n = number(&force, SENSED_FORCE_N)?;
             readings.push((TaxelReading { patch, taxel, sensed_force_n, ..TaxelReading::default() }, taxel_spot));
         }
         readings.sort_by_key(|(reading, _)| (reading.patch, reading.taxel));
@@ -179,13 +167,7 @@ fn read_pose(spot: Spot<'_>) -> Result<Pose, LineError> {
     }
     let allowed = "a quaternion x, y, z, w of length 1, from the patch's frame to the world's";
     let orientation = pose.need("orientation", allowed)?;
-    let quaternion = DQuat::from_array(orientation.numbers(allowed)?);
-    let error = (quaternion.length() - 1.0).abs();
-    // `error` is infinite if the length overflows.
-    if !error.is_finite() || error > QUATERNION_TOLERANCE {
-        return Err(orientation.error(allowed));
-    }
-    let unit = if error <= QUATERNION_ROUNDING { quaternion } else { quaternion.normalize() };
+    let unit = unit_quaternion(orientation.numbers(allowed)?).ok_or_else(|| orientation.error(allowed))?;
     Ok(Pose::new(DVec3::from_array(coordinates), unit))
 }
 
