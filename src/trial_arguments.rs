@@ -26,7 +26,7 @@ pub struct TrialArguments {
         ("component", "One connected component of taxels (paper, section IV-C)"),
     ]))]
     by: Option<Unit>,
-    /// Patch of skin; the first one if not given
+    /// Patch of skin [default: the first one; of the classifier touch all]
     #[arg(long, value_name = "NAME")]
     patch: Option<String>,
     /// A taxel is in contact while it senses more than this, N [default: 0.03]
@@ -60,7 +60,7 @@ impl TrialArguments {
         TrialArguments { min_samples: Some(1), ..self.clone() }
     }
 
-    /// Name of the patch; `None` for the first one.
+    /// Name of the patch, if one is given.
     pub fn patch(&self) -> Option<String> {
         self.patch.clone()
     }

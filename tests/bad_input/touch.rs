@@ -163,7 +163,11 @@ fn too_little_to_learn_from() {
     std::fs::remove_file(&reach).unwrap();
     let set = fixture().dataset();
     let deaf = underbrush!["train", set, "--classifier", "touch", "--threshold-n", "1000", "--out", out];
-    deaf.refused(&["nothing of a category to fit", "above 1000 N in 6 reaches", "lower --threshold-n"]);
+    deaf.refused(&[
+        "nothing of a category to fit",
+        "touches the skin above 1000 N in 6 reaches",
+        "lower --threshold-n",
+    ]);
     let elbow = underbrush!["train", set, "--classifier", "touch", "--patch", "elbow", "--out", out];
     elbow.refused(&["no patch named \"elbow\"", "forearm"]);
     let folds = |count: &str| underbrush!["evaluate", set, "--classifier", "touch", "--folds", count];

@@ -80,11 +80,13 @@ pub(super) fn fit(
 ) -> Result<TouchModel, Failure> {
     examples.fit(limit_wrong).map_err(|error| match error {
         ModelError::NoCategories { .. } => {
-            let patch = options.patch.as_ref();
-            let patch = patch.map_or("the first patch".into(), |name| format!("patch {name}"));
+            let (place, other_patch) = match &options.patch {
+                None => ("the skin".to_owned(), ""),
+                Some(name) => (format!("patch {name}"), "choose another --patch, "),
+            };
             Failure::usage(format!(
-                "nothing of a category to fit, such as leaf or trunk, touches {patch} above {} N in {} reaches (blocks and \
-                 outliers are never fitted); lower --threshold-n, choose another --patch, or generate more reaches",
+                "nothing of a category to fit, such as leaf or trunk, touches {place} above {} N in {} reaches (blocks and \
+                 outliers are never fitted); lower --threshold-n, {other_patch}or generate more reaches",
                 options.threshold_n,
                 examples.rows().reaches
             ))
