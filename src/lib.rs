@@ -126,10 +126,11 @@ const SUCCESS: u8 = 0;
 /// assert_eq!(underbrush::run_command_line(["underbrush", "inspect", "mixed"].map(Into::into)), 0);
 /// ```
 pub fn run_command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let matches = taking_negative_numbers(Cli::command()).try_get_matches_from(arguments);
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let matches = taking_negative_numbers(Cli::command()).try_get_matches_from(&arguments);
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
-        Err(answer) => return output::usage(&answer),
+        Err(answer) => return output::usage(&answer, &arguments),
     };
     let json = cli.shared.json;
     underbrush_experiments::show_warnings(output::remark);

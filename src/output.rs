@@ -1,6 +1,7 @@
 //! All printing: results on stdout, everything else on stderr. Control characters and bidirectional controls, which may
 //! come from files, are escaped.
 
+use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -66,8 +67,8 @@ pub fn error(failure: &Failure, json: bool) {
     remark(failure.report());
 }
 
-/// Prints what clap has to say: the help or the version, or an error about the usage. Returns the exit status.
-pub fn usage(answer: &clap::Error) -> u8 {
+/// Prints what clap has to say about these arguments: the help or the version, or an error. Returns the exit status.
+pub fn usage(answer: &clap::Error, arguments: &[OsString]) -> u8 {
     let text = answer.render().to_string();
     if !answer.use_stderr() {
         return match answer.print().map_err(Failure::output) {
@@ -78,13 +79,12 @@ pub fn usage(answer: &clap::Error) -> u8 {
             _ => 0,
         };
     }
-    let arguments = std::env::args_os().take_while(|argument| argument != "--");
-    if arguments.into_iter().any(|argument| argument == "--json") {
+    if arguments.iter().take_while(|argument| *argument != "--").any(|argument| argument == "--json") {
         let failure = Failure::usage(text.trim_end());
         let _ = lines([failure.json()]);
     }
     // An argument, such as the name of a file, may have escape sequences; clap's colours are not worth those.
-    if std::env::args_os().all(|argument| is_plain(&argument.to_string_lossy())) {
+    if arguments.iter().all(|argument| is_plain(&argument.to_string_lossy())) {
         let _ = answer.print();
     } else {
         remark(text.trim_end());

@@ -50,6 +50,14 @@ def test_exit_status_and_json() -> None:
     assert json.loads(bad.stdout)["error"]["file"] == "nothing"
 
 
+def test_bad_usage_is_that_of_the_given_arguments() -> None:
+    """Tests that --json is looked for among the arguments of the call, and not among those of the process."""
+    code = "from underbrush._core import run_command_line as run; run(['underbrush', 'inspect', '--nope', '--json'])"
+    found = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True)
+    assert json.loads(found.stdout)["error"]["kind"] == "usage"
+    assert "--nope" in found.stderr
+
+
 def test_it_writes_what_only_the_package_can(data: underbrush.Dataset, tmp_path: Path) -> None:
     """Tests that exports and films are those of the modules, with the options of the command line and its remedies."""
     out = [tmp_path / name for name in ("command.mcap", "module.mcap", "bag", "set.hdf5", "film.mp4", "film.webp")]
