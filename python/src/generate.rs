@@ -8,10 +8,11 @@ use pyo3::types::PyList;
 use underbrush_experiments::dataset::{Campaign, require_same_reaches};
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_recording::disk::{Dataset, DiskError, Shard, Shards, check_not_input, remove_dataset};
+use underbrush_recording::stop;
 
 use crate::dataset::lasting;
 use crate::scene::scene;
-use crate::{Failure, PyDataset, Reported, Stop, alone, controller, watched};
+use crate::{Failure, PyDataset, Reported, Stop, controller, watched};
 
 /// Simulate many reaches and write them as a data set.
 #[pyfunction]
@@ -176,10 +177,10 @@ pub fn merge(
 ) -> Result<PyDataset, Failure> {
     make_room(&out, &parts, resume, force)?;
     let out = lasting(&out)?;
-    let merge = || match Shards::open(parts)?.merge(&out, resume, || ()) {
+    let merge = |_: &_| match Shards::open(parts)?.merge(&out, resume, stop::check) {
         // With `resume`, this means that the set has the same plan.
         Err(DiskError::Finished { .. }) if resume => Ok(Dataset::open(&out)?),
         merged => Ok(merged?),
     };
-    Ok(PyDataset::new(alone(py, merge)?))
+    Ok(PyDataset::new(watched(py, None, &Arc::default(), None, merge)?))
 }
