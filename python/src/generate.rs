@@ -5,14 +5,15 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyList;
-use underbrush_experiments::dataset::{Campaign, require_same_reaches};
+use underbrush_experiments::audit;
+use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_recording::disk::{Dataset, DiskError, Shard, Shards, check_not_input, remove_dataset};
 use underbrush_recording::stop;
 
 use crate::dataset::lasting;
 use crate::scene::scene;
-use crate::{Failure, PyDataset, Reported, Stop, controller, watched};
+use crate::{Failure, PyDataset, Reported, Stop, controller, warning, watched};
 
 /// Simulate many reaches and write them as a data set.
 #[pyfunction]
@@ -59,7 +60,7 @@ pub fn generate_shared(
     let campaign = described(scenes, reaches, seed, controller, verdicts, &stop)?;
     let out = lasting(&out)?;
     let run = |reported: &Reported| Ok(campaign.write_shared(&out, part, reported)?);
-    Ok(watched(py, jobs, &stop, progress, run)?.map(|written| PyDataset::new(written.dataset())))
+    Ok(watched(py, jobs, &stop, progress, run)?.map(audited))
 }
 
 /// Make a data set again from what it stores.
@@ -140,7 +141,14 @@ pub fn write(
 ) -> Result<PyDataset, Failure> {
     let out = lasting(out)?;
     let run = |reported: &Reported| Ok(campaign.write(&out, resume, reported)?);
-    Ok(PyDataset::new(watched(py, jobs, stop, progress, run)?.dataset()))
+    Ok(audited(watched(py, jobs, stop, progress, run)?))
+}
+
+/// A set that is written, after the warnings about its reaches.
+fn audited(written: Written) -> PyDataset {
+    let dataset = written.dataset();
+    audit::warnings(dataset.episodes(), dataset.layout()).into_iter().for_each(warning::show);
+    PyDataset::new(dataset)
 }
 
 /// Join all parts that ``generate(..., shard=(I, N))`` has made into the set that one call without ``shard`` makes,

@@ -9,7 +9,7 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyDict};
 use serde_json::{Value, json};
 use underbrush_classifier::DataSource;
-use underbrush_experiments::{VerdictControl, contact_trials, dataset, model_data};
+use underbrush_experiments::{VerdictControl, audit, contact_trials, dataset, model_data};
 use underbrush_recording::disk::{
     Dataset, Episode, check_free, read_recording, recording_columns, recording_table, write_recording,
 };
@@ -23,7 +23,7 @@ use crate::picture::{self, PyCamera};
 use crate::pool::{self, alone};
 use crate::scene::scene;
 use crate::table::{Column, PyTable, record_batch};
-use crate::{Answer, Failure, PyFrame, Skin, Stop, Trials, controller, json, patch_index, watched};
+use crate::{Answer, Failure, PyFrame, Skin, Stop, Trials, controller, json, patch_index, warning, watched};
 
 /// Where a reach is stored.
 pub enum Source {
@@ -403,5 +403,7 @@ pub fn simulate(
         plan = verdicts.applied_to(plan)?;
     }
     let run = |_: &_| Ok(plan.run_until(index, &mut |_| {}, &|| stop.is_set())?);
-    Ok(Reach::of_recording(watched(py, None, &stop, None, run)?))
+    let recording = watched(py, None, &stop, None, run)?;
+    audit::reach_warnings(&recording).into_iter().for_each(warning::show);
+    Ok(Reach::of_recording(recording))
 }

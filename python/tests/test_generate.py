@@ -55,6 +55,19 @@ def test_progress_needs_no_standard_error(monkeypatch: pytest.MonkeyPatch) -> No
     Bar("reaches")(1, 2, "leaf")
 
 
+def test_skin_that_nothing_touches_is_warned_of(tmp_path: Path) -> None:
+    """Tests that the warnings of `underbrush reach` and `underbrush generate` about the reaches are Python warnings."""
+    scene = ub.Scene.parse('summary = "Free space"\ngoals = { count = 1, x_m = 0.6, y_m = 0.0, z_m = -0.2 }\n', "free.toml")
+
+    def still(given: ub.ControllerInput) -> np.ndarray:
+        return given.equilibrium_angle_rad
+
+    with pytest.warns(UserWarning, match="^nothing touched the skin in any frame of the reach"):
+        ub.reach(scene, controller=still)
+    with pytest.warns(UserWarning, match="^nothing touched the skin in any frame of the reach"):
+        ub.generate(scene, 1, tmp_path / "set", controller=still, progress=False)
+
+
 def test_an_exception_at_the_end_is_raised(tmp_path: Path) -> None:
     """Tests that an exception of the function for progress is raised even if the set is complete by then, once."""
     calls: list[int] = []

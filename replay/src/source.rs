@@ -93,7 +93,8 @@ pub struct Source {
 }
 
 impl Source {
-    /// Opens data sets (folders), recordings and tables of contact trials, in this order.
+    /// Opens data sets (folders), recordings and tables of contact trials, in this order. Warns of those whose frames come at
+    /// another rate than those that the model was fitted to.
     ///
     /// # Errors
     /// [`Fault::Input`] for a path that is none of these, and for damaged files; [`Fault::Usage`] if the model does
@@ -120,7 +121,9 @@ impl Source {
     pub fn of(recordings: Vec<Held>, known: ReplayContext) -> Result<Self, Fault> {
         let mut source = Source { datasets: Vec::new(), places: Vec::new(), reaches: Vec::new(), known, judging: None };
         for held in recordings {
-            check(held.judging.as_ref(), &held.recording.scene, &held.recording.layout)?;
+            if let Some(judging) = &held.judging {
+                judging.check(&held.recording.layout).map_err(unjudged(&held.recording.scene))?;
+            }
             source.list(&held.recording, String::new());
             source.places.push(Place::Memory(Box::new(held)));
         }
@@ -162,8 +165,8 @@ impl Source {
 
     fn add_dataset(&mut self, path: &Path) -> Result<(), Fault> {
         let dataset = Dataset::open(path)?;
-        check(self.judging.as_ref(), &path.display().to_string(), dataset.layout())?;
         let rate_hz = dataset.plan().rate_hz;
+        self.check(path, dataset.layout(), Some(rate_hz))?;
         let peaks = dataset.peak_contact_forces_n()?;
         let input = self.datasets.len();
         for (index, (episode, peak_force_n)) in dataset.episodes().iter().zip(peaks).enumerate() {
@@ -177,7 +180,7 @@ impl Source {
 
     fn add_recording(&mut self, path: &Path) -> Result<(), Fault> {
         let recording: Recording = read_recording(path)?;
-        check(self.judging.as_ref(), &path.display().to_string(), &recording.layout)?;
+        self.check(path, &recording.layout, Some(recording.rate_hz))?;
         self.list(&recording, file_name(path));
         self.places.push(Place::File(path.to_path_buf()));
         Ok(())
@@ -188,9 +191,18 @@ impl Source {
             trial_table::check_model(path, judging)?;
         }
         for recording in trial_table::reaches(path, &read_trials(path)?)? {
-            check(self.judging.as_ref(), &path.display().to_string(), &recording.layout)?;
+            self.check(path, &recording.layout, None)?;
             self.list(&recording, file_name(path));
             self.places.push(Place::Table(Box::new(recording)));
+        }
+        Ok(())
+    }
+
+    /// An error if the model does not fit the skin of a file. Warns if it was fitted to frames at another rate than these, Hz.
+    fn check(&self, path: &Path, layout: &SkinLayout, rate_hz: Option<f64>) -> Result<(), Fault> {
+        if let Some(judging) = &self.judging {
+            judging.check(layout).map_err(unjudged(&path.display().to_string()))?;
+            judging.by.provenance().warn_of_rate(path.display(), rate_hz);
         }
         Ok(())
     }
@@ -238,11 +250,6 @@ impl Summary {
 /// The fault that there is no reach with this number.
 pub fn no_such_reach(number: usize, count: usize) -> Fault {
     Fault::Usage(format!("there is no reach {number}; give a number below {count}"))
-}
-
-/// An error if the model does not fit the skin of a reach.
-fn check(judging: Option<&Judging>, reach: &str, layout: &SkinLayout) -> Result<(), Fault> {
-    judging.map_or(Ok(()), |judging| judging.check(layout)).map_err(unjudged(reach))
 }
 
 /// The last part of a path, also for a path such as `.`.

@@ -8,7 +8,6 @@ use clap::Args;
 use serde_json::json;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::{OnlineOptions, Scores};
-use underbrush_experiments::model_data;
 use underbrush_replay::{Judging, JudgingModel, Server, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
@@ -78,10 +77,6 @@ pub fn run(options: ReplayOptions, json: bool) -> Result<(), Failure> {
     }
     options.picture.check(options.overwrite, &options.inputs)?;
     let judging = judging(&options)?;
-    for path in &options.inputs {
-        let Some(judging) = &judging else { break };
-        judging.by.provenance().warn_of_rate(path.display(), model_data::rate_hz(path)?);
-    }
     let source = Source::open(&options.inputs, known(), judging)?;
     if options.picture.run(&source, &options.reaches, json)? {
         return Ok(());
