@@ -36,8 +36,9 @@ type Answer<'py> = (Bound<'py, PyAny>, Bound<'py, PyDict>);
 
 impl PyEnvironments {
     fn lock(&self) -> Result<MutexGuard<'_, State>, Failure> {
-        let text = "another thread is using these environments, or they failed before; make new ones";
-        locked(&self.state, text, text)
+        let busy =
+            "another thread is using these environments; wait for it, or give each thread environments of its own";
+        locked(&self.state, busy, "these environments failed before; make new ones")
     }
 
     fn answer<'py>(&self, py: Python<'py>, state: &State, stepped: &[Option<Stepped>]) -> Result<Answer<'py>, Failure> {

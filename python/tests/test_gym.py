@@ -1,5 +1,6 @@
 """Gymnasium environments."""
 
+import threading
 import warnings
 from pathlib import Path
 from typing import Any
@@ -193,6 +194,29 @@ def test_pictures_of_environments() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         check_env(gymnasium.make("underbrush/Reach-v0", disable_env_checker=True, **options).unwrapped)
+
+
+def test_two_threads_cannot_use_one_environment() -> None:
+    """Tests that environments that another thread is drawing are refused with the advice to wait, and can be used afterwards."""
+    environments = ub._core.Environments(SCENE)
+    environments.reset()
+    refused, drawn = [], []
+    start = threading.Barrier(4)
+
+    def work() -> None:
+        start.wait()
+        # However the machine schedules them, two threads will draw at the same time at some time.
+        while not refused and len(drawn) < 5_000:
+            try:
+                drawn.append(environments.render(0, 160, 120, None))
+            except ub.RunError as error:
+                refused.append(str(error))
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    assert refused and all("another thread" in text and "wait for it" in text for text in refused)
+    assert environments.render(0, 160, 120, None) is not None
 
 
 def test_record_video_writes_a_film(tmp_path: Path) -> None:
