@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use serde::Serialize;
@@ -13,12 +13,14 @@ use underbrush_recording::{Audit, GoalRecord, NamedStop, Recording};
 use underbrush_report::drawing::Rows;
 use underbrush_sim::{ControllerKind, ReachPlan, ReachSoFar, Scene};
 
+use super::replay::{self, ServerArguments};
 use super::touch::TouchDecisionArguments;
-use super::{DecisionArguments, Overwrite, VerdictArguments, Watched, picture, replay};
+use super::{DecisionArguments, Overwrite, VerdictArguments, Watched, picture};
 use crate::{Failure, Shown, input, output};
 
 /// Options of `underbrush reach`.
 #[derive(Args)]
+#[command(mut_arg("port", |own| own.requires("watch")), mut_arg("no_open", |own| own.requires("watch")))]
 pub struct ReachOptions {
     /// Scene: the name of one that ships, such as mixed, or a scene file
     scene: PathBuf,
@@ -52,6 +54,8 @@ pub struct ReachOptions {
     /// Patch of skin whose trials are counted [default: the first]
     #[arg(long, value_name = "NAME")]
     patch: Option<String>,
+    #[command(flatten, next_help_heading = "The page of --watch")]
+    server: ServerArguments,
 }
 
 /// Summary of a reach.
@@ -121,15 +125,20 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
         options.overwrite.out(path, ("parquet", "a recording is written as Parquet"), &inputs)?;
     }
     let so_far = || ReachSoFar::new(&plan, options.index);
-    let watched = options.watch.then(|| Watched::begin(so_far(), &plan.arm.skin.layout, judging.as_ref()));
+    let begin = || Watched::begin(so_far(), &plan.arm.skin.layout, judging.as_ref(), &options.server);
+    let watched = options.watch.then(begin);
     let mut watched = watched.transpose()?;
     let start = Instant::now();
+    // The reach waits here for the browser, and while it is paused.
+    let mut shown = Duration::ZERO;
     let recording = plan.run(options.index, &mut |observed| {
         if let Some(watched) = &mut watched {
+            let begun = Instant::now();
             watched.frame(observed);
+            shown += begun.elapsed();
         }
     })?;
-    let wall_s = start.elapsed().as_secs_f64();
+    let wall_s = (start.elapsed() - shown).as_secs_f64();
     // The recording is written first, so that a failure below does not lose it.
     if let Some(path) = &options.out {
         write_recording(path, &recording)?;

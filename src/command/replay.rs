@@ -55,16 +55,23 @@ pub struct ReplayOptions {
     /// With --model: patch of skin that is classified [default: the first; a touch model knows its patch]
     #[arg(long, value_name = "NAME", requires = "model")]
     patch: Option<String>,
-    /// Port to listen on; 0 takes a free one
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    port: u16,
-    /// Do not open the page in a browser
-    #[arg(long)]
-    no_open: bool,
+    #[command(flatten)]
+    server: ServerArguments,
     #[command(flatten)]
     decision: DecisionArguments,
     #[command(flatten, next_help_heading = "Verdicts of touch models")]
     touch: TouchDecisionArguments,
+}
+
+/// Where the page is served, and whether a browser is opened.
+#[derive(Args)]
+pub struct ServerArguments {
+    /// Port to listen on; 0 takes a free one
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub port: u16,
+    /// Do not open the page in a browser
+    #[arg(long)]
+    no_open: bool,
 }
 
 /// Serves the page or writes it.
@@ -83,7 +90,7 @@ pub fn run(options: ReplayOptions, json: bool) -> Result<(), Failure> {
     }
     match &options.out {
         Some(path) => write(&source, &options.reaches, path, json),
-        None => serve(source, options.port, !options.no_open, json),
+        None => serve(source, &options.server, json),
     }
 }
 
@@ -130,41 +137,41 @@ fn write(source: &Source, chosen: &[usize], path: &Path, json: bool) -> Result<(
     })
 }
 
-fn serve(source: Source, port: u16, open: bool, json: bool) -> Result<(), Failure> {
+fn serve(source: Source, arguments: &ServerArguments, json: bool) -> Result<(), Failure> {
     let served = source.reaches.len();
-    let server = Server::start(source, port)?;
+    let server = Server::start(source, arguments.port)?;
     let address = server.address.clone();
     output::result(json, &json!({ "address": address, "reaches": served }), || {
         format!("{} at {address} until Ctrl-C", output::counted(served, "reach", "reaches"))
     })?;
-    if open {
-        show(&address);
-    }
+    arguments.show(&address);
     server.run();
     Ok(())
 }
 
-/// Opens an address in the browser if standard output is a terminal, and so not in a script or a test.
-///
-/// Other users can see the address with its key among the arguments of the browser. Machines that many people share
-/// rarely have a display, and without one no browser is started.
-pub fn show(address: &str) {
-    let displays = ["DISPLAY", "WAYLAND_DISPLAY"];
-    let display = !cfg!(target_os = "linux") || displays.iter().any(|name| std::env::var_os(name).is_some());
-    if !display || !std::io::stdout().is_terminal() {
-        return;
-    }
-    let program = if cfg!(target_os = "macos") {
-        "open"
-    } else if cfg!(windows) {
-        "explorer"
-    } else {
-        "xdg-open"
-    };
-    let quiet =
-        Command::new(program).arg(address).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
-    // If there is no browser, no error is shown, because the address was printed.
-    if let Ok(mut child) = quiet {
-        std::thread::spawn(move || child.wait());
+impl ServerArguments {
+    /// Opens an address in the browser, unless told not to, if standard output is a terminal, and so not in a script or a test.
+    ///
+    /// Other users can see the address with its key among the arguments of the browser. Machines that many people share
+    /// rarely have a display, and without one no browser is started.
+    pub fn show(&self, address: &str) {
+        let displays = ["DISPLAY", "WAYLAND_DISPLAY"];
+        let display = !cfg!(target_os = "linux") || displays.iter().any(|name| std::env::var_os(name).is_some());
+        if self.no_open || !display || !std::io::stdout().is_terminal() {
+            return;
+        }
+        let program = if cfg!(target_os = "macos") {
+            "open"
+        } else if cfg!(windows) {
+            "explorer"
+        } else {
+            "xdg-open"
+        };
+        let quiet =
+            Command::new(program).arg(address).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+        // If there is no browser, no error is shown, because the address was printed.
+        if let Ok(mut child) = quiet {
+            std::thread::spawn(move || child.wait());
+        }
     }
 }

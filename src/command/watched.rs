@@ -7,7 +7,7 @@ use underbrush_recording::{Fault, Recording, SkinLayout};
 use underbrush_replay::{Judging, Live, PartialReach, Server, VerdictLog, unjudged};
 use underbrush_sim::reach::{Observed, ReachSoFar};
 
-use super::replay;
+use super::replay::ServerArguments;
 use crate::{Failure, output};
 
 /// What messages call the reach.
@@ -25,14 +25,19 @@ pub struct Watched<'a> {
 
 impl<'a> Watched<'a> {
     /// Starts the server and says where the page is. With a model the page shows its verdicts.
-    pub fn begin(so_far: ReachSoFar<'a>, skin: &SkinLayout, judging: Option<&Judging>) -> Result<Self, Failure> {
+    pub fn begin(
+        so_far: ReachSoFar<'a>,
+        skin: &SkinLayout,
+        judging: Option<&Judging>,
+        arguments: &ServerArguments,
+    ) -> Result<Self, Failure> {
         let verdicts = judging.map(|judging| judging.begin(skin)).transpose();
         let verdicts = verdicts.map_err(unjudged(REACH))?;
         let live = Arc::new(Live::default());
-        let server = Server::watch(Arc::clone(&live), underbrush_report::replayed::known(), 0)?;
+        let server = Server::watch(Arc::clone(&live), underbrush_report::replayed::known(), arguments.port)?;
         let address = server.address.clone();
         output::remark(format!("the reach begins when {address} is opened in a browser"));
-        replay::show(&address);
+        arguments.show(&address);
         Ok(Watched { so_far, verdicts, fault: None, live, server: std::thread::spawn(move || server.run()) })
     }
 

@@ -88,6 +88,20 @@ fn wrong_endings_are_refused() {
     }
 }
 
+/// Tests that the page of --watch has the port that is asked for, and that options of the page are refused without it.
+#[test]
+fn the_port_of_the_page_can_be_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
+    let taken = std::net::TcpListener::bind((std::net::Ipv4Addr::LOCALHOST, 0)).unwrap();
+    let port = taken.local_addr().unwrap().port().to_string();
+    let answer = underbrush!["reach", scene, "--watch", "--no-open", "--port", port];
+    assert_eq!(answer.status, 1, "{}", answer.stderr);
+    assert!(answer.stderr.contains(&format!("port {port}")), "{}", answer.stderr);
+    underbrush!["reach", scene, "--port", port].refused(&["--watch"]);
+    underbrush!["reach", scene, "--no-open"].refused(&["--watch"]);
+}
+
 /// Tests that --controller replaces the controller of the scene, and that the recording names it.
 #[test]
 fn the_blind_controller_pushes_on() {
