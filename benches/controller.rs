@@ -63,15 +63,15 @@ impl Situation {
         }
     }
 
-    fn input(&self) -> ControllerInput<'_> {
+    fn input(&self) -> ControllerInput {
         ControllerInput {
-            joint_angle_rad: &self.angle_rad,
-            joint_velocity_rad_per_s: &self.joint_velocity_rad_per_s,
-            equilibrium_angle_rad: &self.angle_rad,
+            joint_angle_rad: self.angle_rad.clone(),
+            joint_velocity_rad_per_s: self.joint_velocity_rad_per_s.clone(),
+            equilibrium_angle_rad: self.angle_rad.clone(),
             end_effector_pose_world: self.end_effector,
-            end_effector_jacobian: &self.end_effector_jacobian,
+            end_effector_jacobian: self.end_effector_jacobian.clone(),
             goal_position_world: self.end_effector.position + DVec3::X * 0.3,
-            contacts: &self.contacts,
+            contacts: self.contacts.clone(),
         }
     }
 }
@@ -87,8 +87,9 @@ fn controller(preset: usize, situation: &Situation) -> ModelPredictive {
 fn step(bencher: Bencher, preset: usize) {
     let situation = Situation::new();
     let mut controller = controller(preset, &situation);
-    assert_eq!(controller.control(&situation.input()).status, ControlStatus::Solved);
-    bencher.bench_local(|| controller.control(black_box(&situation.input())));
+    let input = situation.input();
+    assert_eq!(controller.control(&input).status, ControlStatus::Solved);
+    bencher.bench_local(|| controller.control(black_box(&input)));
 }
 
 /// The quadratic program of that step.
@@ -96,8 +97,9 @@ fn step(bencher: Bencher, preset: usize) {
 fn quadratic_program(bencher: Bencher, preset: usize) {
     let situation = Situation::new();
     let mut controller = controller(preset, &situation);
-    controller.control(&situation.input());
-    let program = controller.step_program(&situation.input()).expect("the model has a factor");
+    let input = situation.input();
+    controller.control(&input);
+    let program = controller.step_program(&input).expect("the model has a factor");
     assert!(program.solve().is_ok(), "the program has a minimum");
     bencher.bench_local(|| black_box(&program).solve());
 }

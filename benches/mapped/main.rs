@@ -175,7 +175,7 @@ impl Controller for Swapped {
         self.0.map()
     }
 
-    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
+    fn control(&mut self, input: &ControllerInput) -> ControllerOutput {
         let swap = |contact: &TaxelContact| {
             let mut contact = contact.clone();
             let Some(Verdict { touched: Touched::Category(name), .. }) = &mut contact.verdict else { return contact };
@@ -188,8 +188,8 @@ impl Controller for Swapped {
             contact.allowed_force_n = Some(force_n);
             contact
         };
-        let contacts: Vec<TaxelContact> = input.contacts.iter().map(swap).collect();
-        self.0.control(&ControllerInput { contacts: &contacts, ..input.clone() })
+        let contacts = input.contacts.iter().map(swap).collect();
+        self.0.control(&ControllerInput { contacts, ..input.clone() })
     }
 }
 

@@ -264,8 +264,8 @@ impl Controller for VerdictController {
         self.inner.map()
     }
 
-    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
-        let contacts: Vec<TaxelContact> = input.contacts.iter().filter_map(|contact| self.judged(contact)).collect();
-        self.inner.control(&ControllerInput { contacts: &contacts, ..input.clone() })
+    fn control(&mut self, input: &ControllerInput) -> ControllerOutput {
+        let contacts = input.contacts.iter().filter_map(|contact| self.judged(contact)).collect();
+        self.inner.control(&ControllerInput { contacts, ..input.clone() })
     }
 }

@@ -45,7 +45,7 @@ impl ShippedController {
 
     /// New equilibrium angles, rad: (joints,).
     fn __call__<'py>(&self, py: Python<'py>, input: &PyControllerInput) -> Answer<'py> {
-        let found = input.joint_angle_rad.len();
+        let found = input.0.joint_angle_rad.len();
         if found != self.joints {
             let allowed = format!("that of an arm with {} joints", self.joints);
             let found = format!("that of an arm with {found} joints");
@@ -53,7 +53,7 @@ impl ShippedController {
         }
         let angles = {
             let mut own = self.controller.lock().unwrap_or_else(PoisonError::into_inner);
-            let output = own.0.control(&input.view());
+            let output = own.0.control(&input.0);
             own.1 = output.intent;
             output.equilibrium_angle_rad
         };
@@ -92,10 +92,10 @@ impl Controller for PythonController {
         self.rate_hz
     }
 
-    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
+    fn control(&mut self, input: &ControllerInput) -> ControllerOutput {
         let answer = self.callable.as_ref().map(|callable| {
             Python::attach(|py| -> Result<(Vec<f64>, Intent), Failure> {
-                let answer = callable.bind(py).call1((PyControllerInput::of(input),))?;
+                let answer = callable.bind(py).call1((PyControllerInput(input.clone()),))?;
                 let (answer, intent) = match answer.extract::<(Bound<'_, PyAny>, String)>() {
                     Ok((angles, text)) => (angles, intent(&text)?),
                     Err(_) => (answer, Intent::Onward),
@@ -109,7 +109,7 @@ impl Controller for PythonController {
         let answer = answer.transpose().map_err(|failure| self.stop.raise(failure.into()));
         let (equilibrium_angle_rad, status, intent) = match answer {
             Ok(Some((angles, intent))) => (angles, ControlStatus::Solved, intent),
-            Ok(None) | Err(()) => (input.equilibrium_angle_rad.to_vec(), ControlStatus::Failed, Intent::Onward),
+            Ok(None) | Err(()) => (input.equilibrium_angle_rad.clone(), ControlStatus::Failed, Intent::Onward),
         };
         ControllerOutput { equilibrium_angle_rad, status, intent }
     }

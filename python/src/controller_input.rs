@@ -2,50 +2,13 @@
 
 use nalgebra::Matrix3xX;
 use pyo3::prelude::*;
-use underbrush_recording::Pose;
-use underbrush_sim::controller::{ControllerInput, TaxelContact};
+use underbrush_sim::controller::ControllerInput;
 
 use crate::array;
 
 /// What a controller knows at one instant.
 #[pyclass(frozen, name = "ControllerInput", module = "underbrush._core")]
-pub struct PyControllerInput {
-    pub joint_angle_rad: Vec<f64>,
-    joint_velocity_rad_per_s: Vec<f64>,
-    equilibrium_angle_rad: Vec<f64>,
-    end_effector_pose_world: Pose,
-    end_effector_jacobian: Matrix3xX<f64>,
-    goal_position_world: glam::DVec3,
-    contacts: Vec<TaxelContact>,
-}
-
-impl PyControllerInput {
-    /// A copy of what a controller is given.
-    pub fn of(input: &ControllerInput<'_>) -> Self {
-        PyControllerInput {
-            joint_angle_rad: input.joint_angle_rad.to_vec(),
-            joint_velocity_rad_per_s: input.joint_velocity_rad_per_s.to_vec(),
-            equilibrium_angle_rad: input.equilibrium_angle_rad.to_vec(),
-            end_effector_pose_world: input.end_effector_pose_world,
-            end_effector_jacobian: input.end_effector_jacobian.clone(),
-            goal_position_world: input.goal_position_world,
-            contacts: input.contacts.to_vec(),
-        }
-    }
-
-    /// What a controller is given.
-    pub fn view(&self) -> ControllerInput<'_> {
-        ControllerInput {
-            joint_angle_rad: &self.joint_angle_rad,
-            joint_velocity_rad_per_s: &self.joint_velocity_rad_per_s,
-            equilibrium_angle_rad: &self.equilibrium_angle_rad,
-            end_effector_pose_world: self.end_effector_pose_world,
-            end_effector_jacobian: &self.end_effector_jacobian,
-            goal_position_world: self.goal_position_world,
-            contacts: &self.contacts,
-        }
-    }
-}
+pub struct PyControllerInput(pub ControllerInput);
 
 /// The rows of a matrix, one after the other.
 fn rows(matrix: &Matrix3xX<f64>) -> Vec<f64> {
@@ -61,7 +24,7 @@ macro_rules! getters {
             /// unknown; None where nothing judges it.
             #[getter]
             fn contact_verdict(&self) -> Vec<Option<&str>> {
-                let verdicts = self.contacts.iter().map(|contact| contact.verdict.as_ref());
+                let verdicts = self.0.contacts.iter().map(|contact| contact.verdict.as_ref());
                 verdicts.map(|verdict| verdict.map(|verdict| verdict.touched.name())).collect()
             }
 
@@ -69,7 +32,7 @@ macro_rules! getters {
                 $(#[$doc])*
                 #[getter]
                 fn $name<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-                    let $own = self;
+                    let $own = &self.0;
                     let numbers: Vec<_> = $numbers.collect();
                     array::copy(py, &numbers, &[$($size),*])
                 }

@@ -33,7 +33,7 @@ impl Controller for Gradient {
         self.seen_angle_rad.clone_from(&frame.joint_angle_rad);
     }
 
-    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
+    fn control(&mut self, input: &ControllerInput) -> ControllerOutput {
         assert_eq!(self.frames, 5 * self.calls + 1, "every frame is seen, before control");
         assert_eq!(self.seen_angle_rad, input.joint_angle_rad);
         // Over a control period of 50 ms, the mean velocity is close to the velocity at the end, and has the same sign
@@ -100,7 +100,7 @@ impl Controller for Miscounting {
         RATE_HZ
     }
 
-    fn control(&mut self, _: &ControllerInput<'_>) -> ControllerOutput {
+    fn control(&mut self, _: &ControllerInput) -> ControllerOutput {
         ControllerOutput {
             equilibrium_angle_rad: vec![0.0; self.0],
             status: ControlStatus::Solved,
@@ -146,7 +146,7 @@ impl Controller for Watching {
         self.readings.fetch_add(frame.taxels.len(), Ordering::Relaxed);
     }
 
-    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
+    fn control(&mut self, input: &ControllerInput) -> ControllerOutput {
         self.inner.control(input)
     }
 }

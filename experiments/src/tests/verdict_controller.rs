@@ -76,8 +76,8 @@ impl Controller for Noting {
         self.0.observe(frame);
     }
 
-    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
-        self.1.lock().unwrap().extend_from_slice(input.contacts);
+    fn control(&mut self, input: &ControllerInput) -> ControllerOutput {
+        self.1.lock().unwrap().extend_from_slice(&input.contacts);
         self.0.control(input)
     }
 }

@@ -19,21 +19,21 @@ pub use verdict::{Allowance, AllowedForces, Touched, Verdict};
 
 /// The input of a controller at one instant. There are n joints; Jacobians are 3 × n in the world frame.
 #[derive(Clone, Debug)]
-pub struct ControllerInput<'a> {
+pub struct ControllerInput {
     /// Joint angles q, rad, n.
-    pub joint_angle_rad: &'a [f64],
+    pub joint_angle_rad: Vec<f64>,
     /// Joint velocities dq/dt, rad/s, n.
-    pub joint_velocity_rad_per_s: &'a [f64],
+    pub joint_velocity_rad_per_s: Vec<f64>,
     /// Equilibrium angles φ, rad, n.
-    pub equilibrium_angle_rad: &'a [f64],
+    pub equilibrium_angle_rad: Vec<f64>,
     /// Pose of the end effector.
     pub end_effector_pose_world: Pose,
     /// Jacobian of the end effector's position, m/rad.
-    pub end_effector_jacobian: &'a Matrix3xX<f64>,
+    pub end_effector_jacobian: Matrix3xX<f64>,
     /// Goal of the end effector, m, world frame.
     pub goal_position_world: DVec3,
     /// Every taxel that senses a force.
-    pub contacts: &'a [TaxelContact],
+    pub contacts: Vec<TaxelContact>,
 }
 
 /// One taxel that senses a force.
@@ -111,8 +111,8 @@ pub trait Controller: Send {
         Vec::new()
     }
 
-    /// Computes new equilibrium angles. Every slice of the input has one entry per joint.
-    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput;
+    /// Computes new equilibrium angles. Every list of angles has one entry per joint.
+    fn control(&mut self, input: &ControllerInput) -> ControllerOutput;
 }
 
 #[cfg(test)]

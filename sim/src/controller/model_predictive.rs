@@ -39,22 +39,22 @@ impl ModelPredictive {
     /// The equilibrium angles from which the step starts. They are those given, except that a joint's equilibrium angle
     /// is reset to its angle when the two are too far apart. The authors' controller resets; doing so per joint, and to
     /// the angle itself, is a choice.
-    fn start(&self, input: &ControllerInput<'_>) -> Vec<f64> {
+    fn start(&self, input: &ControllerInput) -> Vec<f64> {
         let reset = self.preset.equilibrium_reset_rad.unwrap_or(f64::INFINITY);
         let start = |(phi, q): (&f64, &f64)| if (phi - q).abs() > reset { *q } else { *phi };
-        input.equilibrium_angle_rad.iter().zip(input.joint_angle_rad).map(start).collect()
+        input.equilibrium_angle_rad.iter().zip(&input.joint_angle_rad).map(start).collect()
     }
 
     /// The displacement of the end effector that the cost asks for in this step, m: the way to the goal shortened to one
     /// step; near the goal the step shrinks linearly with the way.
-    fn wanted_displacement(&self, input: &ControllerInput<'_>) -> DVec3 {
+    fn wanted_displacement(&self, input: &ControllerInput) -> DVec3 {
         let error = input.goal_position_world - input.end_effector_pose_world.position;
         let step_m = self.preset.end_effector_step_m;
         error * (step_m / error.length().max(self.preset.slow_distance_m.unwrap_or(step_m)))
     }
 
     /// The quadratic program in Δφ that one step solves; `None` if the model's stiffness matrix has no Cholesky factor.
-    pub fn step_program(&self, input: &ControllerInput<'_>) -> Option<QuadraticProgram> {
+    pub fn step_program(&self, input: &ControllerInput) -> Option<QuadraticProgram> {
         let preset = &self.preset;
         let joints = self.joints.len();
         let contacts: Vec<&TaxelContact> =
@@ -86,7 +86,7 @@ impl ModelPredictive {
             DMatrix::from_column_slice(3, joints, moved.as_slice())
         };
         let vector = |v: DVec3| DVector::from_column_slice(&v.to_array());
-        add(preset.position_weight, &moved(input.end_effector_jacobian), &vector(self.wanted_displacement(input)));
+        add(preset.position_weight, &moved(&input.end_effector_jacobian), &vector(self.wanted_displacement(input)));
         add(preset.torque_change_weight, &spring, &DVector::zeros(joints));
         let limit_n = |contact: &TaxelContact| contact.allowed_force_n.unwrap_or(preset.force_limit_n);
         let over: Vec<usize> =
@@ -142,7 +142,7 @@ impl Controller for ModelPredictive {
         self.preset.rate_hz
     }
 
-    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
+    fn control(&mut self, input: &ControllerInput) -> ControllerOutput {
         let mut equilibrium_angle_rad = self.start(input);
         let status = match self.step_program(input).map(|program| program.solve()) {
             Some(Ok(solution)) => {

@@ -69,13 +69,13 @@ impl<'a> Situation<'a> {
 
     fn step(&self, controller: &mut dyn Controller) -> ControllerOutput {
         controller.control(&ControllerInput {
-            joint_angle_rad: &self.angle,
-            joint_velocity_rad_per_s: &vec![0.0; self.angle.len()],
-            equilibrium_angle_rad: &self.equilibrium,
+            joint_angle_rad: self.angle.clone(),
+            joint_velocity_rad_per_s: vec![0.0; self.angle.len()],
+            equilibrium_angle_rad: self.equilibrium.clone(),
             end_effector_pose_world: self.end_effector(),
-            end_effector_jacobian: &self.end_effector_jacobian(),
+            end_effector_jacobian: self.end_effector_jacobian(),
             goal_position_world: self.goal_position_world,
-            contacts: &self.contacts,
+            contacts: self.contacts.clone(),
         })
     }
 

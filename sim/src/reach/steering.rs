@@ -75,17 +75,17 @@ impl Steering {
             })
             .collect();
         let output = self.controller.control(&ControllerInput {
-            joint_angle_rad: &joint_angle_rad,
-            joint_velocity_rad_per_s: &report.joint_velocity_rad_per_s(),
-            equilibrium_angle_rad: &self.equilibrium_rad,
+            joint_angle_rad,
+            joint_velocity_rad_per_s: report.joint_velocity_rad_per_s(),
+            equilibrium_angle_rad: self.equilibrium_rad.clone(),
             end_effector_pose_world,
-            end_effector_jacobian: &arm.position_jacobian(
+            end_effector_jacobian: arm.position_jacobian(
                 &link_poses,
                 arm.end_effector_link,
                 end_effector_pose_world.position,
             ),
             goal_position_world,
-            contacts: &contacts,
+            contacts,
         });
         let (found, expected) = (output.equilibrium_angle_rad.len(), arm.joints.len());
         if found != expected {

@@ -61,7 +61,7 @@ impl BareSurface {
         &self,
         arm: &Arm,
         link_poses: &[Pose],
-        input: &ControllerInput<'_>,
+        input: &ControllerInput,
         acceleration: &DVector<f64>,
         time_s: f64,
     ) -> Option<(f64, Touch, DVector<f64>)> {
@@ -73,7 +73,7 @@ impl BareSurface {
                 - joint.damping_nm_s_per_rad * input.joint_velocity_rad_per_s[index]
         });
         let mut torque = DVector::from_iterator(arm.joints.len(), joints);
-        for contact in input.contacts {
+        for contact in &input.contacts {
             torque += contact.position_jacobian.tr_mul(&vector(contact.inward_normal_world)) * contact.force_n;
         }
         // Where inertia may explain the torques, nothing is known of a contact. To subtract it costs Cody goals (29 instead of 32 of

@@ -157,15 +157,15 @@ impl Mapped {
     }
 
     /// Equilibrium angles for this instant, and what the controller is about to do.
-    fn go_on(&mut self, input: &ControllerInput<'_>, link_poses: &[Pose]) -> (Vec<f64>, Intent) {
-        let (q, phi) = (input.joint_angle_rad, input.equilibrium_angle_rad);
+    fn go_on(&mut self, input: &ControllerInput, link_poses: &[Pose]) -> (Vec<f64>, Intent) {
+        let (q, phi) = (&input.joint_angle_rad, &input.equilibrium_angle_rad);
         if self.trail.back().is_none_or(|last| largest_change_rad(last, q) > TRAIL_RAD) {
             self.trail.push_back(q.to_vec());
             if self.trail.len() > TRAIL {
                 self.trail.pop_front();
             }
         }
-        let mut contacts = judged(input.contacts, self.preset.force_limit_n, self.knows_all);
+        let mut contacts = judged(&input.contacts, self.preset.force_limit_n, self.knows_all);
         self.trust.allow_what_gave_way(&mut contacts, self.preset.force_limit_n);
         // The map is of objects. Where the arm touches itself it is stopped by something that the map does not explain.
         let of_itself =
@@ -195,7 +195,7 @@ impl Mapped {
             None => difference(&own.path.at(own.at_steps + 6.0), &own.path.at(own.at_steps)),
         };
         let mut share = largest_share(&contacts, &ahead);
-        let change = DVector::from(difference(input.joint_velocity_rad_per_s, &self.velocity_rad_per_s));
+        let change = DVector::from(difference(&input.joint_velocity_rad_per_s, &self.velocity_rad_per_s));
         let bare = self.bare.touch(&self.arm, link_poses, input, &(change * self.preset.rate_hz), self.time_s);
         if let Some((force_n, _, into)) = &bare
             && into.iter().zip(&ahead).map(|(into, change)| into * change).sum::<f64>() > 0.0
@@ -264,23 +264,23 @@ impl Controller for Mapped {
         self.map.described(self.top_m)
     }
 
-    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
+    fn control(&mut self, input: &ControllerInput) -> ControllerOutput {
         self.time_s += 1.0 / self.preset.rate_hz;
-        let contacts = self.believed(input.contacts);
-        let input = &ControllerInput { contacts: &contacts, ..input.clone() };
-        let poses = self.arm.forward_kinematics(input.joint_angle_rad);
+        let contacts = self.believed(&input.contacts).into_owned();
+        let input = &ControllerInput { contacts, ..input.clone() };
+        let poses = self.arm.forward_kinematics(&input.joint_angle_rad);
         self.map.visit(&self.shapes, &poses, self.top_m, self.time_s);
         if self.pursuit.as_ref().is_none_or(|own| own.goal != input.goal_position_world) {
             self.begin(input);
         }
         let (mut equilibrium_angle_rad, intent) = self.go_on(input, &poses);
         for ((angle, before), joint) in
-            equilibrium_angle_rad.iter_mut().zip(input.equilibrium_angle_rad).zip(&self.arm.joints)
+            equilibrium_angle_rad.iter_mut().zip(&input.equilibrium_angle_rad).zip(&self.arm.joints)
         {
             let largest = joint.slew_limit_rad_per_s / self.preset.rate_hz;
             *angle = angle.clamp(before - largest, before + largest);
         }
-        self.velocity_rad_per_s = input.joint_velocity_rad_per_s.to_vec();
+        self.velocity_rad_per_s.clone_from(&input.joint_velocity_rad_per_s);
         ControllerOutput { equilibrium_angle_rad, status: ControlStatus::Solved, intent }
     }
 }

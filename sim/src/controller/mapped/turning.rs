@@ -22,9 +22,9 @@ const STREAM: &str = "mapped";
 
 impl Mapped {
     /// Begins the pursuit of a goal.
-    pub(super) fn begin(&mut self, input: &ControllerInput<'_>) {
+    pub(super) fn begin(&mut self, input: &ControllerInput) {
         self.map.begin_goal();
-        let q = input.joint_angle_rad;
+        let q = &input.joint_angle_rad;
         self.pursuit = Some(Pursuit::new(input.goal_position_world, q, &self.step_rad, self.time_s));
         self.plan(q, 0.0);
     }

@@ -51,13 +51,13 @@ fn one_joint_presses_up_to_the_contacts_limit() {
     let limits = [(None, 0.1), (Some(6.0), 0.1), (Some(1.5), 0.05), (Some(1.47), 0.02), (Some(1.2), 0.0)];
     for (allowed_force_n, expected_n) in limits {
         let output = ModelPredictive::new(preset.clone(), &arm).control(&ControllerInput {
-            joint_angle_rad: &angle,
-            joint_velocity_rad_per_s: &[0.0],
-            equilibrium_angle_rad: &angle,
+            joint_angle_rad: angle.to_vec(),
+            joint_velocity_rad_per_s: vec![0.0],
+            equilibrium_angle_rad: angle.to_vec(),
             end_effector_pose_world: Pose::IDENTITY,
-            end_effector_jacobian: &along_x(0.7),
+            end_effector_jacobian: along_x(0.7),
             goal_position_world: DVec3::X,
-            contacts: &[TaxelContact {
+            contacts: vec![TaxelContact {
                 patch: 0,
                 taxel: 0,
                 link: 1,

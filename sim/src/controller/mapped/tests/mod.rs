@@ -254,19 +254,18 @@ fn damping_says_how_fast_the_arm_pushes_on() {
     let end_effector = arm.end_effector_pose(&poses);
     let goal = end_effector.position + DVec3::new(0.0, 0.0, 0.03);
     let missing_rad = difference(&arm.posture_at(goal, &q).unwrap(), &q);
-    let jacobian = Matrix3xX::zeros(7);
     let mut phi = q.clone();
     let mut offsets_rad = Vec::new();
     for _ in 0..30 {
         phi = own
             .control(&ControllerInput {
-                joint_angle_rad: &q,
-                joint_velocity_rad_per_s: &[0.0; 7],
-                equilibrium_angle_rad: &phi,
+                joint_angle_rad: q.clone(),
+                joint_velocity_rad_per_s: vec![0.0; 7],
+                equilibrium_angle_rad: phi,
                 end_effector_pose_world: end_effector,
-                end_effector_jacobian: &jacobian,
+                end_effector_jacobian: Matrix3xX::zeros(7),
                 goal_position_world: goal,
-                contacts: &[],
+                contacts: Vec::new(),
             })
             .equilibrium_angle_rad;
         offsets_rad.push(difference(&phi, &q));
@@ -304,15 +303,14 @@ fn bare_contacts_are_found_from_torques() {
     // The springs balance it.
     let joints = arm.joints.iter().zip(&q).zip(torque.iter());
     let phi: Vec<f64> = joints.map(|((joint, q), torque)| q - torque / joint.stiffness_nm_per_rad).collect();
-    let jacobian = Matrix3xX::zeros(7);
     let input = ControllerInput {
-        joint_angle_rad: &q,
-        joint_velocity_rad_per_s: &[0.0; 7],
-        equilibrium_angle_rad: &phi,
+        joint_angle_rad: q.clone(),
+        joint_velocity_rad_per_s: vec![0.0; 7],
+        equilibrium_angle_rad: phi,
         end_effector_pose_world: Pose::new(DVec3::ZERO, DQuat::IDENTITY),
-        end_effector_jacobian: &jacobian,
+        end_effector_jacobian: Matrix3xX::zeros(7),
         goal_position_world: DVec3::ZERO,
-        contacts: &[],
+        contacts: Vec::new(),
     };
     let still = nalgebra::DVector::zeros(7);
     let (force_n, touch, _) = bare.touch(&arm, &poses, &input, &still, 0.0).unwrap();
@@ -332,7 +330,7 @@ fn bare_contacts_are_found_from_torques() {
     let acceleration = arm.mass_matrix(&poses).cholesky().unwrap().solve(&-torque);
     assert!(bare.touch(&arm, &poses, &input, &acceleration, 0.0).is_none());
     // Without a contact there is none.
-    let rest = ControllerInput { equilibrium_angle_rad: &q, ..input };
+    let rest = ControllerInput { equilibrium_angle_rad: q, ..input };
     assert!(bare.touch(&arm, &poses, &rest, &still, 0.0).is_none());
 }
 
