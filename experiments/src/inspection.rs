@@ -43,8 +43,8 @@ pub fn inspect(path: &Path, seed: u64) -> Result<Value, Fault> {
         let allowed = "a scene or its name, arm, data set (folder), recording, model or table of trials";
         return Err(InputError::new(path, "input", "no such file or folder", allowed, "check the path").into());
     }
-    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    match extension {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    match &*extension.to_string_lossy() {
         _ if is_folder(path)? => dataset(path),
         "toml" if is_arm_file(path) => arm(&Arm::load(path)?),
         "toml" => scene(path, seed),

@@ -105,7 +105,7 @@ pub fn run(options: ArmOptions, json: bool) -> Result<(), Failure> {
 
 fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
     let NewOptions { urdf, tip, base, package, hulls, out, overwrite } = options;
-    overwrite.out(&out, ("toml", "an arm is a TOML file"), [&urdf])?;
+    overwrite.ending(&out, &["toml"], "an arm is a TOML file; choose such a name", [&urdf])?;
     let files = new_files(&NewArm {
         urdf: urdf.clone(),
         out: out.clone(),

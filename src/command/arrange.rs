@@ -44,7 +44,7 @@ struct Report {
 /// Draws the scene and writes the file.
 pub fn run(options: ArrangeOptions, json: bool) -> Result<(), Failure> {
     let ArrangeOptions { scene, seed, index, out, overwrite } = options;
-    overwrite.out(&out, ("toml", "a scene is a TOML file"), [&scene])?;
+    overwrite.ending(&out, &["toml"], "a scene is a TOML file; choose such a name", [&scene])?;
     let plan = ReachPlan::new(Scene::open(&scene)?, None, seed)?;
     let clutter = plan.draw(index)?;
     let folder = plan.scene.path.parent().unwrap_or(Path::new("."));

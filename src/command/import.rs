@@ -34,7 +34,7 @@ pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
     let mapping = Mapping::load(&options.mapping)?;
     let is_table = options.out.extension().is_some();
     if is_table {
-        options.overwrite.table(&options.out, inputs)?;
+        options.overwrite.ending(&options.out, &["csv", "parquet"], "choose such a name", inputs)?;
     } else {
         check_free(&options.out, options.overwrite.force)?;
         require_recordings(&options.out)?;

@@ -62,7 +62,7 @@ pub fn run(options: InspectOptions, json: bool) -> Result<(), Failure> {
         if found.get("chain").is_none() {
             return Err(Failure::usage(format!("{}: --still is for arms", path.display())));
         }
-        picture::check_png(still, options.overwrite, [path])?;
+        options.overwrite.ending(still, &["png"], "choose such a name", [path])?;
         picture::write_arm(&Arm::load(path)?, still)?;
     }
     output::result(json, &found, || text(&found, 0))?;

@@ -30,28 +30,18 @@ impl Overwrite {
         Ok(output::create_parents(path)?)
     }
 
-    /// As [`Overwrite::file`], for the file of `--out`, which needs this ending, because of what it is.
-    pub fn out<'a>(
+    /// As [`Overwrite::file`], for a file whose name must have one of these endings, in small letters or capitals.
+    pub fn ending<'a>(
         self,
         path: &Path,
-        (ending, what): (&str, &str),
+        endings: &[&str],
+        remedy: &str,
         inputs: impl IntoIterator<Item = &'a PathBuf>,
     ) -> Result<(), Failure> {
-        if path.extension().is_none_or(|own| own != ending) {
-            let out = path.display();
-            return Err(Failure::usage(format!("--out {out}: {what}; give a file name that ends in .{ending}")));
-        }
-        self.file(path, inputs)
-    }
-
-    /// As [`Overwrite::file`], for a table of trials, whose name ends as [`write_trials`] demands.
-    ///
-    /// [`write_trials`]: underbrush_recording::disk::write_trials
-    pub fn table<'a>(self, path: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Failure> {
-        let extension = path.extension().unwrap_or_default().to_string_lossy();
-        if !["csv", "parquet"].contains(&extension.to_ascii_lowercase().as_str()) {
-            let (found, allowed) = (format!("extension {extension:?}"), "trials as .csv or .parquet");
-            return Err(InputError::new(path, "file name", found, allowed, "choose such a name").into());
+        let own = path.extension().unwrap_or_default().to_string_lossy();
+        if !endings.iter().any(|ending| own.eq_ignore_ascii_case(ending)) {
+            let allowed = format!("a name that ends in .{}", endings.join(" or ."));
+            return Err(InputError::new(path, "file name", format!("extension {own:?}"), allowed, remedy).into());
         }
         self.file(path, inputs)
     }

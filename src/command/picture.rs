@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, value_parser};
 use glam::DVec3;
 use serde_json::json;
-use underbrush_recording::{InputError, Recording};
+use underbrush_recording::Recording;
 use underbrush_render::{Camera, Film, RenderError, Size, Stage, fullest};
 use underbrush_replay::Source;
 use underbrush_report::replayed;
@@ -104,11 +104,11 @@ impl PictureArguments {
     /// Demands that the file can be written, has the right ending, and that the numbers are within their limits.
     pub fn check(&self, overwrite: Overwrite, inputs: &[PathBuf]) -> Result<(), Failure> {
         if let Some(still) = &self.still {
-            return check_png(still, overwrite, inputs);
+            return overwrite.ending(still, &["png"], "choose such a name", inputs);
         }
         let Some(video) = &self.video else { return Ok(()) };
-        check_ending(video, "gif", "choose such a name; `python -m underbrush.video film` writes .mp4 and .webp")?;
-        overwrite.file(video, inputs)
+        let remedy = "choose such a name; `python -m underbrush.video film` writes .mp4 and .webp";
+        overwrite.ending(video, &["gif"], remedy, inputs)
     }
 
     /// The camera of the scene file that is asked for.
@@ -177,24 +177,6 @@ impl PictureArguments {
         let bar = progress::bar(pictures as u64, "pictures");
         Ok((film.draw(recording, stage, camera, move |drawn| bar.inc(drawn as u64))?, pictures))
     }
-}
-
-/// Demands that the file can be written and is PNG.
-pub fn check_png<'a>(
-    path: &Path,
-    overwrite: Overwrite,
-    inputs: impl IntoIterator<Item = &'a PathBuf>,
-) -> Result<(), Failure> {
-    check_ending(path, "png", "choose such a name")?;
-    overwrite.file(path, inputs)
-}
-
-fn check_ending(path: &Path, ending: &str, remedy: &str) -> Result<(), Failure> {
-    if path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending)) {
-        return Ok(());
-    }
-    let found = format!("{:?}", path.file_name().unwrap_or_default());
-    Err(InputError::new(path, "file name", found, format!("a name that ends in .{ending}"), remedy).into())
 }
 
 /// Draws the moment of a reach in which the most taxels read a force.

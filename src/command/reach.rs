@@ -119,10 +119,11 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
     let mut inputs = vec![options.scene.clone()];
     inputs.extend(options.verdicts.model().iter().chain(&options.model).cloned());
     if let Some(path) = &options.picture {
-        picture::check_png(path, options.overwrite, &inputs)?;
+        options.overwrite.ending(path, &["png"], "choose such a name", &inputs)?;
     }
     if let Some(path) = &options.out {
-        options.overwrite.out(path, ("parquet", "a recording is written as Parquet"), &inputs)?;
+        let remedy = "a recording is written as Parquet; choose such a name";
+        options.overwrite.ending(path, &["parquet"], remedy, &inputs)?;
     }
     let so_far = || ReachSoFar::new(&plan, options.index);
     let begin = || Watched::begin(so_far(), &plan.arm.skin.layout, judging.as_ref(), &options.server);

@@ -28,7 +28,7 @@ pub struct TrialsOptions {
 
 /// Writes the table.
 pub fn run(options: TrialsOptions, json: bool) -> Result<(), Failure> {
-    options.overwrite.table(&options.out, [&options.dataset])?;
+    options.overwrite.ending(&options.out, &["csv", "parquet"], "choose such a name", [&options.dataset])?;
     let trials = input::some_trials(&options.dataset, &options.cut)?;
     let never_touched = trials.iter().filter(|trial| trial.touched() == Some(false)).count();
     let touch_unknown = trials.iter().filter(|trial| trial.touched().is_none()).count();

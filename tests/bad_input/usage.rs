@@ -173,7 +173,7 @@ fn outputs_that_cannot_be_written() {
         answer.refused(&["taken.parquet: is a folder", "give the name of a file"]);
     }
     let text = underbrush!["trials", set, "--threshold-n", "1000", "--out", named("t.txt")];
-    text.refused(&["extension \"txt\"", "trials as .csv or .parquet"]);
+    text.refused(&["extension \"txt\"", "ends in .csv or .parquet"]);
     std::fs::remove_dir(&taken).unwrap();
     assert_empty(outputs.path());
     let recording = named("new").join("folder").join("reach.parquet");
@@ -210,8 +210,7 @@ fn unknown_names() {
     let patch = underbrush!["trials", fixture.dataset(), "--out", table, "--patch", "elbow"];
     let set = fixture.dataset().display().to_string();
     patch.refused(&[&set, "no patch named \"elbow\"", "forearm", "flipper"]);
-    underbrush!["trials", fixture.dataset(), "--out", text]
-        .refused(&["extension \"txt\"", "trials as .csv or .parquet"]);
+    underbrush!["trials", fixture.dataset(), "--out", text].refused(&["extension \"txt\"", "ends in .csv or .parquet"]);
     assert_empty(outputs.path());
     std::fs::write(&text, "a text").unwrap();
     underbrush!["inspect", text].refused(&["trials.txt", "neither a folder nor a .toml"]);

@@ -83,7 +83,9 @@ fn wrong_endings_are_refused() {
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::TRUNKS_AT_FOREARM);
     for (option, name, right) in [("--picture", "reach.svg", ".png"), ("--out", "reach.csv", ".parquet")] {
         let path = folder.path().join(name);
-        underbrush!["reach", scene, option, path].refused(&[name, &format!("ends in {right}")]);
+        let answer = underbrush!["reach", scene, option, path, "--json"];
+        answer.refused(&[name, &format!("ends in {right}")]);
+        assert!(answer.stdout.contains("\"kind\":\"input\""), "{}", answer.stdout);
         assert!(!path.exists());
     }
 }
