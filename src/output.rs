@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Serialize, Serializer};
 use underbrush_recording::{escaped, is_plain};
+use underbrush_report::drawing::Rows;
 
 pub use underbrush_experiments::files::{create_parents, write as write_file};
 pub use underbrush_report::text::counted;
@@ -93,20 +94,8 @@ pub fn usage(answer: &clap::Error, arguments: &[OsString]) -> u8 {
 }
 
 /// Prints CSV.
-pub fn csv(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), Failure> {
-    let bytes = csv_bytes(header, rows)?;
-    lines([String::from_utf8_lossy(&bytes).trim_end_matches('\n').to_owned()])
-}
-
-/// The bytes of a CSV file. Cells are quoted if needed: a category in a table of another program may be any text.
-pub fn csv_bytes(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Result<Vec<u8>, Failure> {
-    let refused = |error: csv::Error| Failure::run(format!("cannot write CSV: {error}"));
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(header).map_err(refused)?;
-    for row in rows {
-        writer.write_record(row).map_err(refused)?;
-    }
-    writer.into_inner().map_err(|error| Failure::run(format!("cannot write CSV: {error}")))
+pub fn csv<T: Copy>(rows: Rows<T>) -> Result<(), Failure> {
+    lines([rows.table("", "").csv().trim_end_matches('\n').to_owned()])
 }
 
 /// A path as text in a result. Bytes that are not UTF-8 are replaced, which affects only what is shown.

@@ -15,6 +15,7 @@ use underbrush_classifier::registry::CLASSIFIERS;
 use underbrush_classifier::{Classifier, ClassifierKind, DataSource, Decision, FeatureSet, Provenance, Rule, Scores};
 use underbrush_experiments::model_data;
 use underbrush_recording::{Category, InputError, Trial};
+use underbrush_report::drawing::Rows;
 
 use super::touch::{self, Judge, RiskArguments, TouchDecisionArguments};
 use super::{DecisionArguments, EstimatorArguments, Overwrite};
@@ -140,7 +141,7 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     };
     let evaluation = evaluation.map_err(|error| about(error.into()))?;
     if let Some(path) = &options.roc {
-        output::write_file(path, &roc_csv(&evaluation, &decision)?)?;
+        output::write_file(path, roc_csv(&evaluation, &decision)?.as_bytes())?;
     }
     let (mut by_samples, mut by_samples_of_all) = (None, None);
     if let Some(folds) = folds.filter(|_| options.by_samples) {
@@ -266,22 +267,20 @@ fn fitted(options: &EvaluateOptions, path: &Path) -> Result<Box<dyn Classifier>,
 }
 
 /// ROC curves as CSV: one row per point of each curve. An empty threshold classifies nothing as positive.
-fn roc_csv(evaluation: &Evaluation, decision: &Decision) -> Result<Vec<u8>, Failure> {
-    let mut rows = Vec::new();
-    let mut add = |positives: &str, curve: Option<RocCurve>| {
-        for point in curve.iter().flat_map(|curve| &curve.points) {
-            let threshold = point.threshold.map_or(String::new(), |threshold| threshold.to_string());
-            let (false_rate, true_rate) = (point.false_positive_rate, point.true_positive_rate);
-            rows.push(vec![positives.to_string(), threshold, false_rate.to_string(), true_rate.to_string()]);
-        }
-    };
-    for category in evaluation.known_categories() {
-        add(category, category_roc(evaluation, category));
-    }
+fn roc_csv(evaluation: &Evaluation, decision: &Decision) -> Result<String, Failure> {
+    let categories = evaluation.known_categories();
+    let of_category = |category: &String| Some((category.as_str(), category_roc(evaluation, category)?));
+    let mut curves: Vec<(&str, RocCurve)> = categories.iter().filter_map(of_category).collect();
     if let Rule::OutlierBand { uncertain_below, .. } = decision.rule {
-        let judge = decision.prepare(evaluation.known_categories())?;
-        add(Category::OUTLIER.name(), outlier_roc(evaluation, &judge, uncertain_below));
+        let judge = decision.prepare(categories)?;
+        let curve = outlier_roc(evaluation, &judge, uncertain_below);
+        curves.extend(curve.map(|curve| (Category::OUTLIER.name(), curve)));
     }
-    let header = ["positives", "threshold_nats", "false_positive_rate", "true_positive_rate"];
-    output::csv_bytes(&header, rows)
+    let points = curves.iter().flat_map(|(positives, curve)| curve.points.iter().map(move |point| (*positives, point)));
+    let rows = Rows::of(points)
+        .column("positives", |(positives, _)| positives)
+        .column("threshold_nats", |(_, point)| point.threshold.map_or(String::new(), |own| own.to_string()))
+        .column("false_positive_rate", |(_, point)| point.false_positive_rate.to_string())
+        .column("true_positive_rate", |(_, point)| point.true_positive_rate.to_string());
+    Ok(rows.table("", "").csv())
 }

@@ -6,6 +6,7 @@ use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::{Model, ScoreKind, any_model};
 use underbrush_recording::Trial;
+use underbrush_report::drawing::Rows;
 
 use crate::input::{self, TrialArguments};
 use crate::options::named;
@@ -61,21 +62,22 @@ pub fn run(options: ScoreOptions, json: bool) -> Result<(), Failure> {
     let model = by_kind(any_model::load_of_trials(&options.model)?, &options.model, options.by, "--by")?;
     let trials = input::trials(&options.trials, &TrialArguments::default())?;
     let scored = of_trials(&model, &trials, &options.trials)?;
-    let rows = || {
-        let categories = model.classifier.categories().into_iter().enumerate();
-        categories.flat_map(|(index, category)| {
-            trials.iter().zip(&scored).map(move |(trial, scores)| Row {
-                model: category.clone(),
-                trial: trial.trial,
-                log_likelihood: scores[index],
-            })
+    let categories = model.classifier.categories().into_iter().enumerate();
+    let rows = categories.flat_map(|(index, category)| {
+        trials.iter().zip(&scored).map(move |(trial, scores)| Row {
+            model: category.clone(),
+            trial: trial.trial,
+            log_likelihood: scores[index],
         })
-    };
+    });
+    let rows: Vec<Row> = rows.collect();
     if json {
-        let rows: Vec<Row> = rows().collect();
         return output::result(true, &serde_json::json!({ "scores": rows }), String::new);
     }
-    // The shortest text that reads back as the same number.
-    let cells = rows().map(|row| vec![row.model, row.trial.to_string(), row.log_likelihood.to_string()]);
-    output::csv(&["model", "trial", "log_likelihood"], cells)
+    let rows = Rows::of(&rows)
+        .column("model", |row| row.model.as_str())
+        .column("trial", |row| row.trial.to_string())
+        // The shortest text that reads back as the same number, also if it is not finite.
+        .column("log_likelihood", |row| row.log_likelihood.to_string());
+    output::csv(rows)
 }

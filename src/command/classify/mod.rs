@@ -17,6 +17,7 @@ use underbrush_classifier::online_model::OnlineModel;
 use underbrush_classifier::{OnlineOptions, ScoreKind, Scores};
 use underbrush_experiments::model_data;
 use underbrush_recording::disk::is_there;
+use underbrush_report::drawing::Rows;
 
 use super::touch::TouchDecisionArguments;
 use super::{DecisionArguments, score};
@@ -134,9 +135,9 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
     if json {
         return output::result(true, &serde_json::json!({ "verdicts": verdicts }), String::new);
     }
-    let rows = verdicts.into_iter().map(|row| {
-        let truth = row.truth.unwrap_or_default();
-        vec![row.trial.to_string(), row.verdict.to_string(), truth]
-    });
-    output::csv(&["trial", "verdict", "truth"], rows)
+    let rows = Rows::of(&verdicts)
+        .column("trial", |row| row.trial.to_string())
+        .column("verdict", |row| row.verdict.to_string())
+        .column("truth", |row| row.truth.clone().unwrap_or_default());
+    output::csv(rows)
 }
