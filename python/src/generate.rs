@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use pyo3::types::PyList;
 use underbrush_experiments::audit;
 use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
 use underbrush_experiments::verdict_controller::VerdictControl;
@@ -15,13 +14,14 @@ use crate::dataset::lasting;
 use crate::scene::scene;
 use crate::{Failure, PyDataset, Reported, Stop, controller, warning, watched};
 
-/// Simulate many reaches and write them as a data set.
+/// Simulate many reaches and write them as a data set; if it is ``shared``, one part of them into a folder that all parts share.
+/// Then there is a set if no other part is at work and all reaches are there.
 #[pyfunction]
 #[pyo3(signature = (scenes, reaches, out, *, seed = 0, controller = None, verdicts = None, resume = false, force = false,
-                    shard = None, progress = None, jobs = None))]
+                    shard = None, shared = false, progress = None, jobs = None))]
 pub fn generate(
     py: Python<'_>,
-    scenes: &Bound<'_, PyAny>,
+    scenes: Vec<Bound<'_, PyAny>>,
     reaches: u64,
     out: PathBuf,
     seed: u64,
@@ -30,37 +30,24 @@ pub fn generate(
     resume: bool,
     force: bool,
     shard: Option<(u64, u64)>,
-    progress: Option<Py<PyAny>>,
-    jobs: Option<usize>,
-) -> Result<PyDataset, Failure> {
-    let stop = Arc::new(Stop::default());
-    let mut campaign = described(scenes, reaches, seed, controller, verdicts, &stop)?;
-    campaign.shard = shard.map(part).transpose()?;
-    make_room(&out, &[], resume, force)?;
-    write(py, &campaign, &out, resume, &stop, progress, jobs)
-}
-
-/// Simulate one part of a campaign into a folder that all parts share.
-#[pyfunction]
-#[pyo3(signature = (scenes, reaches, out, shard, *, seed = 0, controller = None, verdicts = None, progress = None, jobs = None))]
-pub fn generate_shared(
-    py: Python<'_>,
-    scenes: &Bound<'_, PyAny>,
-    reaches: u64,
-    out: PathBuf,
-    shard: (u64, u64),
-    seed: u64,
-    controller: Option<&Bound<'_, PyAny>>,
-    verdicts: Option<PathBuf>,
+    shared: bool,
     progress: Option<Py<PyAny>>,
     jobs: Option<usize>,
 ) -> Result<Option<PyDataset>, Failure> {
-    let part = self::part(shard)?;
     let stop = Arc::new(Stop::default());
-    let campaign = described(scenes, reaches, seed, controller, verdicts, &stop)?;
-    let out = lasting(&out)?;
-    let run = |reported: &Reported| Ok(campaign.write_shared(&out, part, reported)?);
-    Ok(watched(py, jobs, &stop, progress, run)?.map(audited))
+    let scenes = scenes.iter().map(scene).collect::<Result<Vec<_>, _>>()?;
+    let verdicts = verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten();
+    let (controller, own_controller) = controller::chosen(controller, &stop)?;
+    let mut campaign = Campaign { controller, own_controller, verdicts, ..Campaign::new(scenes, reaches, seed)? };
+    let part = shard.map(part).transpose()?;
+    if let Some(part) = part.filter(|_| shared) {
+        let out = lasting(&out)?;
+        let run = |reported: &Reported| Ok(campaign.write_shared(&out, part, reported)?);
+        return Ok(watched(py, jobs, &stop, progress, run)?.map(audited));
+    }
+    campaign.shard = part;
+    make_room(&out, &[], resume, force)?;
+    write(py, &campaign, &out, resume, &stop, progress, jobs).map(Some)
 }
 
 /// Make a data set again from what it stores.
@@ -96,24 +83,6 @@ fn make_room(out: &Path, inputs: &[PathBuf], resume: bool, force: bool) -> Resul
         remove_dataset(out)?;
     }
     Ok(())
-}
-
-/// The whole campaign that the arguments describe.
-fn described(
-    scenes: &Bound<'_, PyAny>,
-    reaches: u64,
-    seed: u64,
-    controller: Option<&Bound<'_, PyAny>>,
-    verdicts: Option<PathBuf>,
-    stop: &Arc<Stop>,
-) -> Result<Campaign, Failure> {
-    let listed = match scenes.cast::<PyList>() {
-        Ok(list) => list.iter().map(|own| scene(&own)).collect::<Result<Vec<_>, _>>()?,
-        Err(_) => vec![scene(scenes)?],
-    };
-    let verdicts = verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten();
-    let (controller, own_controller) = controller::chosen(controller, stop)?;
-    Ok(Campaign { controller, own_controller, verdicts, ..Campaign::new(listed, reaches, seed)? })
 }
 
 /// Part I of N, counted from 1.

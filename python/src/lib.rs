@@ -71,7 +71,7 @@ mod _core {
         evaluation::evaluate_trials,
         fitting::{Options, classifiers, fit},
         frame::PyFrame,
-        generate::{generate, generate_again, generate_shared, merge},
+        generate::{generate, generate_again, merge},
         online::{Online, online},
         picture::PyCamera,
         reach::{Reach, simulate},

@@ -46,7 +46,6 @@ __all__ = [
     "fit",
     "generate",
     "generate_again",
-    "generate_shared",
     "merge",
     "inspect",
     "online",
@@ -388,7 +387,7 @@ class Dataset:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 def generate(
-    scenes: Sequence[SceneLike] | SceneLike,
+    scenes: Sequence[SceneLike],
     reaches: int,
     out: _Path,
     *,
@@ -398,18 +397,7 @@ def generate(
     resume: bool = False,
     force: bool = False,
     shard: tuple[int, int] | None = None,
-    progress: Callable[[int, int, str], object] | None = None,
-    jobs: int | None = None,
-) -> Dataset: ...
-def generate_shared(
-    scenes: Sequence[SceneLike] | SceneLike,
-    reaches: int,
-    out: _Path,
-    shard: tuple[int, int],
-    *,
-    seed: int = 0,
-    controller: ControllerLike | None = None,
-    verdicts: _Path | None = None,
+    shared: bool = False,
     progress: Callable[[int, int, str], object] | None = None,
     jobs: int | None = None,
 ) -> Dataset | None: ...

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import cast
 
 from . import _core
 from ._progress import Bar, Progress
@@ -68,7 +69,7 @@ def generate(
     if isinstance(scenes, (_core.Scene, str, os.PathLike)):
         scenes = [scenes]
     with Bar("reaches").shown(progress) as shown:
-        return _core.generate(
+        made = _core.generate(
             list(scenes),
             reaches,
             Path(out),
@@ -81,6 +82,8 @@ def generate(
             progress=shown,
             jobs=jobs,
         )
+    # Only a part of a shared set may leave none.
+    return cast(_core.Dataset, made)
 
 
 def generate_shared(
@@ -122,14 +125,15 @@ def generate_shared(
     if isinstance(scenes, (_core.Scene, str, os.PathLike)):
         scenes = [scenes]
     with Bar("reaches").shown(progress) as shown:
-        return _core.generate_shared(
+        return _core.generate(
             list(scenes),
             reaches,
             Path(out),
-            shard,
             seed=seed,
             controller=controller,
             verdicts=None if verdicts is None else Path(verdicts),
+            shard=shard,
+            shared=True,
             progress=shown,
             jobs=jobs,
         )

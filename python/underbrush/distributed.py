@@ -18,7 +18,7 @@ import uuid
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any, TypedDict, cast
 
 from . import _core
 from ._benchmark import Track, entry
@@ -117,7 +117,7 @@ def generate(
     }
     if _is_finished(Path(out)):
         # Nothing is simulated: this opens the set, or says in what another set differs or what is wrong with it.
-        return _core.generate(listed, reaches, Path(out), resume=True, **options)
+        return cast(_core.Dataset, _core.generate(listed, reaches, Path(out), resume=True, **options))
     _connect(address)
     make = partial(_generate_part, listed, reaches, **options)
     call = _call(
