@@ -3,10 +3,8 @@
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
-use underbrush_classifier::any_model::{self, AnyModel};
-use underbrush_classifier::{Decision, OnlineOptions};
 use underbrush_recording::disk::check_free;
-use underbrush_replay::{Judging, JudgingModel, Source, single_file};
+use underbrush_replay::{Judging, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
 use crate::{Failure, pool};
@@ -22,17 +20,8 @@ pub fn replay_page(
     patch: Option<String>,
 ) -> Result<String, Failure> {
     pool::detached(py, None, || {
-        let judging = |path: PathBuf| -> Result<Judging, Failure> {
-            let by = match any_model::load(&path)? {
-                AnyModel::OfTrials(model) => {
-                    let decision = model.decision.clone().unwrap_or(Decision::argmax());
-                    JudgingModel::OfTrials(Box::new(model), OnlineOptions::new(patch, None, decision))
-                }
-                AnyModel::Touch(model) => JudgingModel::of_touch(*model, patch.as_deref())?,
-            };
-            Ok(Judging { name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(), by })
-        };
-        let source = Source::open(&paths, known(), model.map(judging).transpose()?)?;
+        let judging = model.map(|path| Judging::load(&path, patch.as_deref())).transpose()?;
+        let source = Source::open(&paths, known(), judging)?;
         let all = (0..source.reaches.len()).collect();
         Ok(single_file(&source, &reaches.unwrap_or(all), MAX_PAGE_BYTES)?)
     })

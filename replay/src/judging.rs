@@ -1,7 +1,11 @@
 //! Models that judge what touches the skin, frame by frame: classifiers of trials, and touch models.
 
+use std::path::Path;
+
+use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::online::OnlineError;
 use underbrush_classifier::online_model::{OnlineJudge, OnlineModel};
+use underbrush_classifier::{OnlineOptions, Scores};
 use underbrush_recording::{Fault, Frame, Recording, SkinLayout};
 
 use crate::verdicts::{VerdictHeader, Verdicts};
@@ -16,6 +20,22 @@ pub struct Judging {
 }
 
 impl Judging {
+    /// The model of a file with its own decision. A classifier of trials judges this patch, or else the first one.
+    ///
+    /// # Errors
+    /// [`Fault::Input`] for a file that cannot be read or is invalid, and as [`OnlineModel::of_touch`].
+    pub fn load(path: &Path, patch: Option<&str>) -> Result<Self, Fault> {
+        let by = match any_model::load(path)? {
+            AnyModel::OfTrials(model) => {
+                let decision = Scores::of_model(&model).decision(None)?;
+                let options = OnlineOptions::new(patch.map(str::to_owned), None, decision);
+                OnlineModel::OfTrials(Box::new(model), options)
+            }
+            AnyModel::Touch(model) => OnlineModel::of_touch(*model, patch)?,
+        };
+        Ok(Judging { name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(), by })
+    }
+
     /// Checks that the model can judge frames of this skin.
     ///
     /// # Errors

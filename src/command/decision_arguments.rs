@@ -9,7 +9,7 @@ use underbrush_classifier::{Decision, Rule, Scores};
 use crate::{Failure, options};
 
 /// How scores become verdicts.
-#[derive(Args, Default, Serialize)]
+#[derive(Args, Serialize)]
 pub struct DecisionArguments {
     /// How scores become verdicts [default: the model's own rule (train --false-positive-rate), or argmax if it has
     /// none]

@@ -10,12 +10,12 @@ use underbrush_classifier::trial::{PatchImage, TrialOptions, Unit};
 use underbrush_experiments::{audit, contact_trials, dataset};
 use underbrush_recording::disk::write_recording;
 use underbrush_recording::{Audit, GoalRecord, NamedStop, Recording};
+use underbrush_replay::Judging;
 use underbrush_report::drawing::Rows;
 use underbrush_sim::{ControllerKind, ReachPlan, ReachSoFar, Scene};
 
-use super::replay::{self, ServerArguments};
-use super::touch::TouchDecisionArguments;
-use super::{DecisionArguments, Overwrite, VerdictArguments, Watched, picture};
+use super::replay::ServerArguments;
+use super::{Overwrite, VerdictArguments, Watched, picture};
 use crate::{Failure, Shown, input, output};
 
 /// Options of `underbrush reach`.
@@ -110,12 +110,7 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
         PatchImage::new(&plan.arm.skin.layout, options.patch.as_deref(), options_of_trials.threshold_n)?;
     }
     dataset::say_doubts([&plan.arm], &Shown);
-    let judging = options.model.as_deref();
-    let judging = judging.map(|path| {
-        let (decision, touch) = (DecisionArguments::default(), TouchDecisionArguments::default());
-        replay::judging_by(path, options.patch.as_deref(), &decision, &touch)
-    });
-    let judging = judging.transpose()?;
+    let judging = options.model.as_deref().map(|path| Judging::load(path, options.patch.as_deref())).transpose()?;
     let mut inputs = vec![options.scene.clone()];
     inputs.extend(options.verdicts.model().iter().chain(&options.model).cloned());
     if let Some(path) = &options.picture {

@@ -3,11 +3,11 @@
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::Arc;
 
 use clap::Args;
 use serde_json::json;
-use underbrush_classifier::any_model::{self, AnyModel};
-use underbrush_classifier::{OnlineOptions, Scores};
+use underbrush_classifier::Scores;
 use underbrush_replay::{Judging, JudgingModel, Server, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
@@ -99,30 +99,19 @@ fn judging(options: &ReplayOptions) -> Result<Option<Judging>, Failure> {
         let given = options::given(&options.decision).into_iter().chain(options::given(&options.touch));
         return options::refuse(given, "is about the verdicts of a --model").map(|()| None);
     };
-    judging_by(path, options.patch.as_deref(), &options.decision, &options.touch).map(Some)
-}
-
-/// Reads a model and determines how it judges a patch. Without a `patch`, it judges the first one.
-pub fn judging_by(
-    path: &Path,
-    patch: Option<&str>,
-    decision: &DecisionArguments,
-    touch: &TouchDecisionArguments,
-) -> Result<Judging, Failure> {
-    let by = match any_model::load(path)? {
-        AnyModel::OfTrials(model) => {
-            touch.refuse_for_trials()?;
-            let decision = decision.decision(&Scores::of_model(&model))?;
-            let options = OnlineOptions::new(patch.map(str::to_owned), None, decision);
-            JudgingModel::OfTrials(Box::new(model), options)
+    let mut judging = Judging::load(path, options.patch.as_deref())?;
+    match &mut judging.by {
+        JudgingModel::OfTrials(model, own) => {
+            options.touch.refuse_for_trials()?;
+            own.decision = options.decision.decision(&Scores::of_model(model))?;
         }
-        AnyModel::Touch(mut model) => {
-            decision.refuse_for_touch_model(None)?;
-            model.decision = touch.over(model.decision);
-            JudgingModel::of_touch(*model, patch)?
+        JudgingModel::Touch(model) => {
+            options.decision.refuse_for_touch_model(None)?;
+            let model = Arc::make_mut(model);
+            model.decision = options.touch.over(model.decision);
         }
-    };
-    Ok(Judging { name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(), by })
+    }
+    Ok(Some(judging))
 }
 
 fn write(source: &Source, chosen: &[usize], path: &Path, json: bool) -> Result<(), Failure> {

@@ -9,7 +9,7 @@ use crate::Failure;
 use crate::options::{self, number};
 
 /// How probabilities become verdicts. Options that are not given stay as in the model.
-#[derive(Args, Clone, Debug, Default, Serialize)]
+#[derive(Args, Clone, Debug, Serialize)]
 pub struct TouchDecisionArguments {
     /// Call a reading nothing if the probability that nothing presses on the taxel is above this [default: as chosen in
     /// training, so that few true contacts are lost]
