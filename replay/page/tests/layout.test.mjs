@@ -42,6 +42,19 @@ test("the 3-D view is large on a phone", async () => {
   await finish(page);
 });
 
+/** Tests that the playback covers nothing of a low window: it stands in the page, and can be scrolled to. */
+test("in a low window the playback scrolls with the page", async () => {
+  for (const [width, height] of [[844, 390], [320, 256]]) {
+    const page = await open(browser, server.address, { viewport: { width, height } });
+    await ready(page);
+    assert.ok((await page.locator("#play").boundingBox()).y > height, `${width} px: the playback lies over the page`);
+    await page.locator("#play").scrollIntoViewIfNeeded();
+    const { y } = await page.locator("#play").boundingBox();
+    assert.ok(y >= 0 && y < height, `${width} px: ${y} px`);
+    await finish(page);
+  }
+});
+
 /** Tests that at 1280 px panels side by side are equally high, also with a long description of the selection, and that the view
  * fills its panel. */
 test("no empty stripe lies between the panels", async () => {
