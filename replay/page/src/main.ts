@@ -20,7 +20,6 @@ async function start(): Promise<void> {
     const reach = asked.reach ?? 0;
     if (all[reach] === undefined) throw new DataError(`There is no reach ${reach}; the list has ${all.length}, from 0.`);
     await page.opening.open(reach, asked);
-    if (asked.beside !== null) page.compare(asked.beside);
     if (all[reach].running) new Live(find("live"), page.frames, (ended) => page.opening.grow(ended));
   } catch (error) {
     explain(error);

@@ -82,6 +82,8 @@ export class Opening {
       panes[0].load(loaded, nameOf(summary));
       timeline.load(reach);
       lists.load(number, reach, loaded.trials);
+      // Only now, or a ghost would be compared with the reach that was shown before.
+      if (asked !== null) store.set({ ...asked.state, beside: asked.beside, ghost: asked.ghost });
       const colour = this.#allowVerdict(reach) || store.state.colour !== "verdict" ? store.state.colour : "truth";
       const object = reach.header.objects[asked?.object ?? -1] === undefined ? null : asked!.object;
       store.set({ reach: number, playing: false, colour, taxel: findTaxel(reach, asked?.taxel ?? null), object });
@@ -175,11 +177,10 @@ export class Opening {
   /** Goes where an address points. */
   follow(asked: Asked): void {
     const { store } = this.views;
-    store.set({ ...asked.state, beside: asked.beside, ghost: asked.ghost });
     const number = asked.reach ?? store.state.reach;
     if (number !== store.state.reach) void this.open(number, asked);
     else if (this.#loaded !== null) {
-      store.set({ taxel: findTaxel(this.#loaded.reach, asked.taxel), object: asked.object });
+      store.set({ ...asked.state, beside: asked.beside, ghost: asked.ghost, taxel: findTaxel(this.#loaded.reach, asked.taxel), object: asked.object });
       this.ghosts.offer(number);
       if (asked.time !== null) this.views.seek(this.#loaded.reach.frameNearest(asked.time));
     }
@@ -189,6 +190,6 @@ export class Opening {
   /** The state in which a page begins. */
   static first(all: Summary[], asked: Asked): State {
     const reach = asked.reach !== null && asked.reach < all.length ? asked.reach : 0;
-    return { reach, beside: null, ghost: asked.ghost, frame: 0, playing: false, rate: 1, colour: "force", camera: "free", shadows: null, taxel: null, object: null, ...asked.state };
+    return { reach, beside: null, ghost: null, frame: 0, playing: false, rate: 1, colour: "force", camera: "free", shadows: null, taxel: null, object: null, ...asked.state };
   }
 }

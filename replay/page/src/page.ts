@@ -151,11 +151,6 @@ export class Page {
     new ResizeObserver(() => document.documentElement.style.setProperty("--dock-height", `${dock.offsetHeight + 12}px`)).observe(dock);
   }
 
-  /** Shows a second reach beside the first. */
-  compare(number: number): void {
-    this.#set({ beside: number });
-  }
-
   /** The number of frames of the reach that is shown. */
   get frames(): number {
     return this.#loaded?.reach.frames ?? 0;

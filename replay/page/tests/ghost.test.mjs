@@ -81,6 +81,16 @@ test("a ghost is the other arm at the same time", async () => {
   await finish(page);
 });
 
+/** Tests that an address brings a ghost back while a reach of another draw is shown. */
+test("an address with a ghost may be of another reach", async () => {
+  const page = await start("#reach=2");
+  await page.evaluate(() => (location.hash = "#reach=0&t=1&ghost=1"));
+  await ready(page, 0);
+  await drawn(page, true);
+  assert.ok(await page.locator("#message").isHidden());
+  await finish(page);
+});
+
 /** Tests that a reach without others of its draw offers no ghost and takes none from an address, and that the ghost goes when
  * another reach is opened. */
 test("a reach of another draw is no ghost", async () => {
