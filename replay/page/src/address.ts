@@ -18,17 +18,15 @@ function whole(text: string | null): number | null {
   return text !== null && /^\d{1,9}$/.test(text) ? Number(text) : null;
 }
 
-/** Reads the address. Values that make no sense are left out. */
+/** Reads the address. What it leaves out, or what makes no sense, is as at the beginning. */
 export function readAddress(hash: string): Asked {
   const values = new URLSearchParams(hash.replace(/^#/, ""));
   const time = Number(values.get("t") ?? "x");
-  const state: Partial<State> = {};
-  const colour = COLOURS.find((name) => name === values.get("colour"));
-  const camera = CAMERAS.find((name) => name === values.get("view"));
-  const rate = RATES.find((value) => String(value) === values.get("rate"));
-  if (colour !== undefined) state.colour = colour;
-  if (camera !== undefined) state.camera = camera;
-  if (rate !== undefined) state.rate = rate;
+  const state = {
+    colour: COLOURS.find((name) => name === values.get("colour")) ?? "force",
+    camera: CAMERAS.find((name) => name === values.get("view")) ?? "free",
+    rate: RATES.find((value) => String(value) === values.get("rate")) ?? 1,
+  };
   return {
     reach: whole(values.get("reach")),
     beside: whole(values.get("beside")),

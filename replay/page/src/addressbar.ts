@@ -13,7 +13,12 @@ export class AddressBar {
   /** `asked` is called when a reader changes the address. */
   constructor(readonly state: State, readonly reach: () => Reach | null, asked: (asked: Asked) => void) {
     // The page may have written its own address before it hears of the reader's, so `location` does not tell it.
-    addEventListener("hashchange", ({ newURL }) => asked(readAddress(new URL(newURL).hash)));
+    addEventListener("hashchange", ({ newURL }) => {
+      const { hash } = new URL(newURL);
+      // The link to the playback is no address of a finding.
+      if (hash.includes("=")) asked(readAddress(hash));
+      else this.write();
+    });
   }
 
   /** Writes the state soon. */

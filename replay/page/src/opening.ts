@@ -180,7 +180,7 @@ export class Opening {
     const number = asked.reach ?? store.state.reach;
     if (number !== store.state.reach) void this.open(number, asked);
     else if (this.#loaded !== null) {
-      store.set({ ...asked.state, beside: asked.beside, ghost: asked.ghost, taxel: findTaxel(this.#loaded.reach, asked.taxel), object: asked.object });
+      store.set({ ...asked.state, playing: false, beside: asked.beside, ghost: asked.ghost, taxel: findTaxel(this.#loaded.reach, asked.taxel), object: asked.object });
       this.ghosts.offer(number);
       if (asked.time !== null) this.views.seek(this.#loaded.reach.frameNearest(asked.time));
     }

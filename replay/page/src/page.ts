@@ -118,7 +118,7 @@ export class Page {
   #open({ reach, time, taxelAddress, object }: WorstMistake): void {
     const { beside, ghost } = this.#store.state;
     this.#details.unfold();
-    this.opening.follow({ reach: reach.number, beside, ghost, time, taxel: taxelAddress, object: object < 0 ? null : object, state: { playing: false } });
+    this.opening.follow({ reach: reach.number, beside, ghost, time, taxel: taxelAddress, object: object < 0 ? null : object, state: {} });
   }
 
   #actions(seek: (frame: number) => void, open: (number: number) => void): Actions {

@@ -168,6 +168,15 @@ test("an address brings a finding back", async () => {
   assert.match(await page.locator("#details").textContent(), /flipper taxel 7/);
   await page.evaluate(() => (location.hash = "#reach=1&t=2"));
   await page.waitForFunction(() => document.getElementById("clock").textContent.startsWith("2.00 s"));
+  const plain = await state(page);
+  assert.deepEqual([plain.colour, plain.camera, plain.rate, plain.taxel], ["force", "free", 1, null], "what an address leaves out is as at the beginning");
+  await page.locator("#play").click();
+  await page.evaluate(() => (location.hash = "#reach=1&t=3&taxel=flipper.7"));
+  await page.waitForFunction(() => document.getElementById("clock").textContent.startsWith("3.00 s") && !window.underbrushReplay.state.playing);
+  await page.locator(".skip").focus();
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => location.hash.includes("taxel=flipper.7"));
+  assert.notEqual((await state(page)).taxel, null, "the link to the playback changes what is shown");
   await finish(page);
   const odd = await start("#reach=0&t=-5&colour=pink&view=moon&rate=99&taxel=forearm.99999&object=77777&beside=12");
   const kept = await state(odd);
