@@ -124,8 +124,8 @@ function onKey(event: KeyboardEvent, actions: Actions): void {
   const range = target instanceof HTMLInputElement && target.type === "range";
   if (target instanceof HTMLInputElement && target.type === "number") return;
   if (target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && !range && /^Arrow| /.test(event.key))) return;
-  // Space presses a button that has the focus.
-  if (event.key === " " && target instanceof HTMLButtonElement) return;
+  // Space presses a button that has the focus, and unfolds what is folded.
+  if (event.key === " " && target.closest("button, summary") !== null) return;
   const key = KEYS.find(({ keys }) => keys.includes(event.key));
   if (key === undefined) return;
   event.preventDefault();

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { SCENES, felt, file, finish, finishAll, fullestFrame, launch, makeData, open, program, readRecording, ready, seek, serve, settle } from "./support.mjs";
+import { SCENES, felt, file, finish, finishAll, fullestFrame, launch, makeData, open, program, readRecording, ready, seek, serve, settle, state } from "./support.mjs";
 
 let browser;
 let server;
@@ -78,7 +78,8 @@ test("a chosen taxel shows probabilities and its region", async () => {
   }
   assert.ok(details.includes(`verdict now${own.verdict} after`) && details.includes(`Contact region ${own.contact}`), details);
   assert.equal(await page.locator(".features dd").first().isVisible(), false);
-  await page.locator(".features summary").click();
+  await page.locator(".features summary").press("Space");
+  assert.equal((await state(page)).playing, false);
   assert.equal(await page.locator(".features dd").count(), 30);
   // Marks are of values outside the range that is written beside them.
   assert.match(await page.locator(".features .key").textContent(), /middle 80 % of the regions of this reach that are truly \w+/);
