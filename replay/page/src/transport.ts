@@ -126,6 +126,8 @@ function onKey(event: KeyboardEvent, actions: Actions): void {
   if (target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && !range && /^Arrow| /.test(event.key))) return;
   // Space presses a button that has the focus, and unfolds what is folded.
   if (event.key === " " && target.closest("button, summary") !== null) return;
+  // Arrows scroll a table that has the focus, and so do the keys of its ends.
+  if (/^Arrow|^Home$|^End$/.test(event.key) && target.matches(".scroll")) return;
   const key = KEYS.find(({ keys }) => keys.includes(event.key));
   if (key === undefined) return;
   event.preventDefault();

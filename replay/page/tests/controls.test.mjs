@@ -266,6 +266,17 @@ test("strips, plots, reach buttons, tabs and links", async () => {
   await finish(page);
 });
 
+/** Tests that arrow keys scroll a table that has the focus, and leave the time as it is. */
+test("a table is scrolled by keyboard", async () => {
+  const page = await start("", { viewport: { width: 390, height: 844 } });
+  const table = page.locator("#panel-reaches .scroll");
+  await table.focus();
+  await page.keyboard.press("ArrowRight");
+  await page.waitForFunction((table) => table.scrollLeft > 0, await table.elementHandle());
+  assert.equal((await state(page)).frame, 0);
+  await finish(page);
+});
+
 /** Pins that the theme can be chosen, and that the list of keys opens and closes by keyboard. */
 test("theme and help", async () => {
   const page = await start();
