@@ -19,9 +19,11 @@ function inline() {
         if (file.type === "chunk") {
           // A closing tag in a string of the script would end it.
           const code = file.code.replace(/<\/(script)/gi, "<\\/$1").replace(/<!--/g, "<\\!--").trimEnd();
-          // Before the data, so that a file that was cut off still shows a message. Modules run when all is read.
+          // After the body and before the data, so that a file that was cut off in either still shows a message. Modules run
+          // when all is read.
           const tag = new RegExp(`<script[^>]*src="[^"]*${name}"[^>]*></script>`);
-          text = text.replace(tag, () => `<script type="module">${code}</script>`).replace("HASH-OF-SCRIPT", hash(code));
+          const script = `<script type="module">${code}</script>\n<!--underbrush-data-->`;
+          text = text.replace(tag, "").replace("<!--underbrush-data-->", () => script).replace("HASH-OF-SCRIPT", hash(code));
         } else if (file.fileName.endsWith(".css")) {
           const style = file.source.trimEnd();
           const tag = new RegExp(`<link[^>]*href="[^"]*${name}"[^>]*>`);

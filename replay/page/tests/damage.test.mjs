@@ -56,6 +56,16 @@ test("a file that is cut off says so", async () => {
   assert.match(await messageOf("short", (text) => withBytes(text, (bytes) => bytes.subarray(0, bytes.length - 1000))), /cut off: [\d,]+ of [\d,]+ bytes/);
 });
 
+/** Tests that a file that was cut off before its data shows its message, although it has no script that runs. */
+test("a file that is cut off in the script says so", async () => {
+  program("replay", file("trunk.parquet"), "--out", file("whole.html"), "--force");
+  writeFileSync(file("half.html"), readFileSync(file("whole.html"), "utf8").slice(0, 300_000));
+  const page = await open(browser, `file://${file("half.html")}`);
+  assert.match(await page.locator("#message").textContent(), /cut off/);
+  assert.ok(await page.locator("#message").isVisible());
+  await page.context().close();
+});
+
 /** Pins the messages for data with a flipped bit anywhere, of another version, and of another kind. */
 test("damaged and foreign data are refused", async () => {
   for (const place of [13, 30, 5000, -1]) {
