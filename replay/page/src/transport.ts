@@ -3,6 +3,7 @@
 import { button, element, find } from "./dom.ts";
 import type { Mistake } from "./mistakes.ts";
 import type { Loaded } from "./pane.ts";
+import { NO_OBJECT } from "./reach.ts";
 import { CAMERAS, COLOURS, RATES, type State } from "./state.ts";
 
 /** What the keys and buttons do; page.ts gives it. */
@@ -34,9 +35,16 @@ function targets(loaded: Loaded, jump: Jump): Target[] {
   if (jump === "contact") return [...new Set(reach.header.contacts.map((contact) => contact.first_frame))].sort((a, b) => a - b).map(plain);
   if (jump === "goal") return reach.header.goals.map((goal) => plain(reach.frameAt(goal.start_time_s)));
   if (jump === "mistake") return trials.mistakes.map((mistake) => ({ frame: mistake.run.first, taxel: mistake.taxel, mistake })).sort((a, b) => a.frame - b.frame);
-  const peaks = trials.all.filter((trial) => trial.peak > 0.5 * loaded.largest);
+  const peaks = trials.all.filter((trial) => trial.peak > 0.5 * loaded.largest).map((trial) => ({ frame: trial.peakFrame, taxel: trial.taxel }));
   const best = loaded.series.largest.reduce((most, force, frame, all) => (force > all[most]! ? frame : most), 0);
-  return [...peaks.map((trial) => ({ frame: trial.peakFrame, taxel: trial.taxel })), plain(best)].sort((a, b) => a.frame - b.frame);
+  const all: Target[] = peaks.some(({ frame }) => frame === best) ? peaks : [...peaks, plain(best)];
+  return all.sort((a, b) => a.frame - b.frame);
+}
+
+/** Whether the page stands at a target: at its frame, with its selection. */
+function isAt({ frame, taxel, object }: State, target: Target): boolean {
+  if (target.frame !== frame || (target.taxel !== null && target.taxel !== taxel)) return false;
+  return target.mistake === undefined || target.mistake.object === (object ?? NO_OBJECT);
 }
 
 function go(actions: Actions, jump: Jump, forward: boolean): void {
@@ -44,7 +52,10 @@ function go(actions: Actions, jump: Jump, forward: boolean): void {
   if (loaded === null) return;
   const { frame } = actions.state;
   const all = targets(loaded, jump);
-  const next = forward ? all.find((target) => target.frame > frame) : all.findLast((target) => target.frame < frame);
+  // Several can be in one frame.
+  const here = all.findIndex((target) => isAt(actions.state, target));
+  const near = forward ? all.find((target) => target.frame >= frame) : all.findLast((target) => target.frame < frame);
+  const next = here < 0 ? near : all[here + (forward ? 1 : -1)];
   if (next === undefined) return;
   if (next.mistake !== undefined) return actions.follow(next.mistake);
   actions.set({ playing: false });
