@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import { after, before, test } from "node:test";
 
-import { file, finishAll, launch, open, program, ready, seek, serve } from "./support.mjs";
+import { file, finishAll, launch, open, program, ready, seek, serve, settle } from "./support.mjs";
 
 let browser;
 before(async () => {
@@ -29,6 +29,15 @@ test("a table of trials is shown without what it does not know", async () => {
   await ready(page);
   await seek(page, 20);
   assert.equal(await page.textContent("#title"), "trials, reach 0");
+  // The taxels fill the 3-D view, however small the skin is, in a window of another size, too.
+  for (const width of [1100, 700]) {
+    await page.setViewportSize({ width, height: 900 });
+    await settle(page);
+    const view = await page.locator(".view").boundingBox();
+    const places = await page.evaluate(() => Array.from({ length: 6 }, (_, taxel) => window.underbrushReplay.drawn().project(window.underbrushReplay.drawn().taxel(taxel).position)));
+    const spans = [0, 1].map((axis) => Math.max(...places.map((place) => place[axis])) - Math.min(...places.map((place) => place[axis])));
+    assert.ok(Math.max(spans[0] / view.width, spans[1] / view.height) > 0.3, `${spans} of ${view.width} by ${view.height}`);
+  }
   assert.match(await page.textContent("#facts"), /^a table of contact trials · 1\.2\s*s$/);
   const row = await page.locator("#panel-reaches tbody tr").first().locator("th, td").allTextContents();
   assert.deepEqual(row, ["0", "trials", "–", "0", "–", "–", "–", "1.2", "–", "–", "–"]);

@@ -129,6 +129,24 @@ test("the 3-D view can be clicked and turned", async () => {
   await finish(page);
 });
 
+/** Tests that the whole, the upper and the side view show all of every object, in a wide and in a narrow window. */
+test("the views show everything", async () => {
+  for (const width of [1280, 390]) {
+    const page = await start("", { viewport: { width, height: 900 } });
+    for (const camera of ["free", "top", "side"]) {
+      await page.locator(`#camera input[value=${camera}]`).check({ force: true });
+      await settle(page);
+      const view = await page.locator(".view").boundingBox();
+      const places = await page.evaluate(() => {
+        const { drawn, loaded } = window.underbrushReplay;
+        return loaded().reach.header.bodies.flatMap((_, body) => drawn().body(body)?.world ?? []).map((place) => drawn().project(place));
+      });
+      assert.ok(places.length > 100 && places.every(([x, y]) => x >= 0 && x <= view.width && y >= 0 && y <= view.height), `${camera} at ${width} px`);
+    }
+    await finish(page);
+  }
+});
+
 /** Pins that the 3-D view turns when it is dragged, and zooms by the wheel and by the plus and minus keys. */
 test("the 3-D view can be dragged and zoomed", async () => {
   const page = await start();

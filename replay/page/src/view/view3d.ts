@@ -1,6 +1,6 @@
 // The 3-D view of one reach: arm, skin, objects, contact forces, goal and path of the hand.
 
-import { Color, GridHelper, type LineBasicMaterial, Mesh, MeshBasicMaterial, OctahedronGeometry, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
+import { Box3, Color, GridHelper, type LineBasicMaterial, Mesh, MeshBasicMaterial, OctahedronGeometry, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
 
 import type { Palette } from "../colours.ts";
 import { element, prepare } from "../dom.ts";
@@ -38,6 +38,8 @@ export interface Hit {
 }
 
 const SIZE = new Vector2();
+/** The view shows the skin where it is at so many moments of the reach. */
+const MOMENTS = 10;
 
 export class View3D {
   readonly box: HTMLElement;
@@ -127,7 +129,17 @@ export class View3D {
     (this.#grid.material as LineBasicMaterial).vertexColors = false;
     this.#scene.add(this.#grid);
     this.#painted = null;
-    if (!grown) this.#viewpoint.forget();
+    if (grown) return;
+    this.#bodies.place(0);
+    const whole = new Box3().expandByObject(this.#bodies, true);
+    // Of a log, nobody knows where the hand is.
+    if (!reach.isLog) whole.expandByObject(this.#path, true);
+    for (let moment = 0; moment < MOMENTS; moment++) {
+      this.#skin.place(Math.round((moment / (MOMENTS - 1)) * (reach.frames - 1)));
+      whole.expandByObject(this.#skin, true);
+    }
+    if (whole.isEmpty()) whole.expandByPoint(new Vector3());
+    this.#viewpoint.show(whole);
   }
 
   /** Shows the arm of another reach, too, or of none. */
@@ -161,7 +173,7 @@ export class View3D {
     this.#path.show(frame);
     this.#map.show(this.#reach, frame, this.#grid?.visible === true ? this.#grid.position.z : null);
     this.#shadows.cast(shown.shadows ?? !this.software);
-    this.#viewpoint.look(shown.camera, new Vector3().fromArray(this.#reach.tip, 7 * frame), this.#path.geometry.boundingSphere!.center);
+    this.#viewpoint.look(shown.camera, new Vector3().fromArray(this.#reach.tip, 7 * frame));
   }
 
   /** Takes over the colours of a theme. */

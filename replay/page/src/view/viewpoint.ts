@@ -1,6 +1,6 @@
 // Where the 3-D view looks from: the four views, a hand that is followed, and turning by pointer and keys.
 
-import { PerspectiveCamera, Vector3 } from "three";
+import { Box3, PerspectiveCamera, Vector3 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import type { CameraKind } from "../state.ts";
@@ -20,6 +20,10 @@ export class Viewpoint {
   readonly camera = new PerspectiveCamera(FIELD_DEG, 1, 0.02, 20);
   readonly #controls: OrbitControls;
   #kind: CameraKind | null = null;
+  /** What is to be seen as a whole. */
+  #whole = new Box3();
+  /** Whether a reader has turned the view, so that it stays in a window of another size. */
+  #own = false;
   /** Whether a pointer turns the view. */
   turning = false;
 
@@ -28,7 +32,7 @@ export class Viewpoint {
     this.camera.up.set(0, 0, 1);
     this.#controls = new OrbitControls(this.camera, canvas);
     this.#controls.addEventListener("change", moved);
-    this.#controls.addEventListener("start", () => (this.turning = true));
+    this.#controls.addEventListener("start", () => (this.turning = this.#own = true));
     this.#controls.addEventListener("end", () => {
       this.turning = false;
       moved();
@@ -53,19 +57,24 @@ export class Viewpoint {
     const length = offset.length() * distance;
     offset.set(Math.cos(azimuth) * Math.cos(height), Math.sin(azimuth) * Math.cos(height), Math.sin(height)).multiplyScalar(length);
     this.camera.position.copy(this.#controls.target).add(offset);
+    this.#own = true;
     this.#controls.update();
     this.moved();
   }
 
-  /** Takes a new view of what is shown next. */
-  forget(): void {
+  /** Takes a new view, of what is in this box, m. */
+  show(whole: Box3): void {
+    this.#whole = whole;
     this.#kind = null;
   }
 
-  /** Looks as this kind of view does: where it begins if it is new, and after the hand if it follows it. `centre` is the middle
-   * of the path of the hand. */
-  look(kind: CameraKind, tip: Vector3, centre: Vector3): void {
-    if (kind !== this.#kind) this.#aim(kind, tip, centre);
+  /** Looks as this kind of view does: where it begins if it is new, and after the hand if it follows it. */
+  look(kind: CameraKind, tip: Vector3): void {
+    if (kind !== this.#kind) {
+      this.#kind = kind;
+      this.#own = false;
+      this.#aim(tip);
+    }
     if (kind !== "hand") return;
     const step = tip.sub(this.#controls.target);
     this.#controls.target.add(step);
@@ -73,20 +82,30 @@ export class Viewpoint {
     this.#controls.update();
   }
 
-  #aim(kind: CameraKind, tip: Vector3, centre: Vector3): void {
-    this.#kind = kind;
-    // The shoulder is near the origin of the world; the middle of what is seen lies between it and the goals.
-    const middle = new Vector3(centre.x * 0.62, centre.y * 0.8, centre.z);
-    const places: Record<CameraKind, [Vector3, Vector3]> = {
-      free: [middle, new Vector3(-0.35, -1.25, 0.75)],
-      hand: [tip, new Vector3(-0.2, -1, 0.55).normalize().multiplyScalar(HAND_DISTANCE_M)],
-      top: [middle, new Vector3(0, -0.001, 1.6)],
-      side: [middle, new Vector3(0, -1.6, 0)],
+  #aim(tip: Vector3): void {
+    const directions: Record<CameraKind, Vector3> = {
+      free: new Vector3(-0.35, -1.25, 0.75), hand: new Vector3(-0.2, -1, 0.55), top: new Vector3(0, -0.001, 1), side: new Vector3(0, -1, 0),
     };
-    const [target, offset] = places[kind];
+    const direction = directions[this.#kind!].normalize();
+    const target = this.#kind === "hand" ? tip : this.#whole.getCenter(new Vector3());
+    this.camera.position.copy(target).add(direction);
+    this.camera.lookAt(target);
+    this.camera.position.addScaledVector(direction, (this.#kind === "hand" ? HAND_DISTANCE_M : this.#distance()) - 1);
     this.#controls.target.copy(target);
-    this.camera.position.copy(target).add(offset);
     this.#controls.update();
+  }
+
+  /** How far from the middle of the box the camera must stand to see all its corners, m; it stands 1 m from there. */
+  #distance(): number {
+    this.camera.updateMatrixWorld();
+    const high = Math.tan((this.camera.fov / 2) * (Math.PI / 180));
+    const { min, max } = this.#whole;
+    const distances = [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => {
+      const place = new Vector3(corner & 1 ? max.x : min.x, corner & 2 ? max.y : min.y, corner & 4 ? max.z : min.z);
+      const { x, y, z } = place.applyMatrix4(this.camera.matrixWorldInverse);
+      return 1 + z + Math.max(Math.abs(x) / this.camera.aspect, Math.abs(y)) / high;
+    });
+    return Math.max(...distances);
   }
 
   /** Fits a view of this size, CSS pixels. A narrow one keeps its width. */
@@ -94,5 +113,6 @@ export class Viewpoint {
     this.camera.aspect = width / height;
     this.camera.fov = width > height ? FIELD_DEG : Math.min(2 * Math.atan(Math.tan(0.33) * (height / width)) * (180 / Math.PI), 75);
     this.camera.updateProjectionMatrix();
+    if (!this.#own && this.#kind !== null && this.#kind !== "hand") this.#aim(new Vector3());
   }
 }
