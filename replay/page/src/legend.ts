@@ -29,11 +29,11 @@ export function colourBar(palette: Palette, largest: number, limit: number | nul
   context.fillStyle = context.strokeStyle = palette.variable("quiet");
   context.font = "11px system-ui, sans-serif";
   context.textAlign = "center";
-  const ticks = [0, 0.1, 0.5, 1, 2, 3, 5, 8, 12, 17].filter((tick) => tick <= largest);
+  const ticks = [0, 0.1, 0.5, 1, 2, 3, 5, 8, 12, 17, 30, 50, 100, 200, 500, 1000, 2000, 5000, 10_000].filter((tick) => tick <= largest);
   let last = Number.NEGATIVE_INFINITY;
   for (const tick of ticks) {
     const x = left + Math.sqrt(tick / largest) * (span - 1);
-    if (x - last < 20) continue;
+    if (x - last < Math.max(20, context.measureText(String(tick)).width + 6)) continue;
     last = x;
     context.fillRect(x, 14, 1, 4);
     context.fillText(String(tick), x, 29);
