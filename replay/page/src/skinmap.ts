@@ -1,7 +1,7 @@
 // The unrolled skin: one patch of taxels as a flat map.
 
 import { drawMark, look, type Palette } from "./colours.ts";
-import { element, prepare } from "./dom.ts";
+import { element, plural, prepare } from "./dom.ts";
 import { type Cell, layOut } from "./unroll.ts";
 import type { Reach } from "./reach.ts";
 
@@ -48,7 +48,7 @@ export class SkinMap {
     [this.#cells, this.#width, this.#height] = [plan.cells, plan.width, plan.height];
     // Of a log, nobody knows where the tip is.
     this.#upwards = plan.upwards && !reach.isLog;
-    const size = reach.isTable ? "taxels in the order of their numbers" : grid === null ? `${taxels} taxels, seen on both sides` : `${grid.rows} rows along × ${grid.columns} columns around`;
+    const size = reach.isTable ? "taxels in the order of their numbers" : grid === null ? `${plural(taxels, "taxel")}${plan.twoSides ? ", seen on both sides" : ""}` : `${grid.rows} rows along × ${grid.columns} columns around`;
     this.#canvas = element("canvas", {
       tabindex: 0,
       role: "application",

@@ -16,6 +16,8 @@ export interface Plan {
   height: number;
   /** Whether its upper end is clearly nearer to the tip of the arm, by a tenth of its length or more, in the first frame. */
   upwards: boolean;
+  /** Whether the map shows two sides, side by side. */
+  twoSides: boolean;
 }
 
 /** Lays out a patch with the end that is nearer to the tip at the top: a grid by rows and columns, other taxels as they lie on both sides. */
@@ -54,7 +56,7 @@ function rowsAndColumns(reach: Reach, patch: number): Plan {
     const line = lastIsNearer ? rows - 1 - row : row;
     return { taxel: first + index, x: (index % columns) + 0.5, y: line + 0.5, size: 1 };
   });
-  return { cells, width: columns, height: rows, upwards: Math.abs(nearer) > 0.1 * distance(start, end) };
+  return { cells, width: columns, height: rows, upwards: Math.abs(nearer) > 0.1 * distance(start, end), twoSides: false };
 }
 
 type Vector = [number, number, number];
@@ -134,9 +136,11 @@ function twoSides(reach: Reach, patch: number): Plan {
   moveApart(flat, size);
   const width = Math.max(...flat.map(({ x }) => Math.abs(x))) * 2 + 1.6 * size;
   const top = Math.min(...flat.map(({ y }) => y)) - 0.8 * size;
+  // Taxels that all face one way are seen from there alone.
+  const twoSides = flat.some(({ back }) => back !== flat[0]!.back);
   const cells = flat.map(({ index, back, x, y }) => {
-    return { taxel: first + index, x: x + width / 2 + (back ? 1.15 * width : 0), y: y - top, size };
+    return { taxel: first + index, x: x + width / 2 + (twoSides && back ? 1.15 * width : 0), y: y - top, size };
   });
   const height = Math.max(...cells.map(({ y }) => y)) + 0.8 * size;
-  return { cells, width: 2.15 * width, height, upwards: Math.abs(dot(tip, along)) > 0.1 * Math.hypot(...tip) };
+  return { cells, width: (twoSides ? 2.15 : 1) * width, height, upwards: Math.abs(dot(tip, along)) > 0.1 * Math.hypot(...tip), twoSides };
 }

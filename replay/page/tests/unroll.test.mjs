@@ -33,6 +33,11 @@ test("a taxel without a neighbour has a place on the map", () => {
   ];
   assert.ok(layOut(patch([[0.01, 0, 0.01], [0.01, 0, 0.05]], [front, front]), 0).upwards);
   assert.ok(!layOut(patch([[0.05, 0, 0.1], [-0.05, 0, 0.1]], [front, front]), 0).upwards);
+  // A patch that faces one way fills its map.
+  for (const facing of [front, back]) {
+    const plan = layOut(patch([[0, 0, 0], [0.02, 0, 0], [0, 0, 0.05], [0.02, 0, 0.05]], [facing, facing, facing, facing]), 0);
+    assert.ok(!plan.twoSides && Math.max(...plan.cells.map(({ x, size }) => x + size / 2)) > 0.85 * plan.width);
+  }
   for (const reach of patches) {
     const { cells, width, height } = layOut(reach, 0);
     assert.equal(cells.length, reach.taxelPosition.length / 3);
