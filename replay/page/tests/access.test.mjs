@@ -68,7 +68,9 @@ test("print is light and has the 3-D view", async () => {
     return [new Set(new Uint32Array(data.buffer)).size, image.checkVisibility()];
   });
   assert.ok(shown && colours > 100, `${colours} colours`);
-  assert.ok(await page.locator(".scrubber").isHidden());
+  for (const control of [".scrubber", "#play", "#shadows-field"]) assert.ok(await page.locator(control).isHidden(), control);
+  assert.match(await page.locator("#clock").textContent(), /^3\.00 s/);
+  assert.ok(await page.locator("#clock").isVisible(), "print does not say the moment");
   await page.emulateMedia({ media: "screen" });
   await page.evaluate(() => dispatchEvent(new Event("afterprint")));
   await settle(page);
