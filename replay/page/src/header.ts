@@ -32,6 +32,7 @@ export class Header {
   readonly #beside = find<HTMLInputElement>("beside");
 
   #shown = "";
+  #shownBeside = "";
 
   constructor(all: Summary[], actions: HeaderActions) {
     find("reach-controls").hidden = all.length < 2;
@@ -44,7 +45,11 @@ export class Header {
       if (number !== null) actions.open(number);
       else this.#reach.value = this.#shown;
     });
-    this.#beside.addEventListener("change", () => actions.beside(numberOf(this.#beside, all.length)));
+    this.#beside.addEventListener("change", () => {
+      const number = numberOf(this.#beside, all.length);
+      if (number !== null || this.#beside.value === "") actions.beside(number);
+      else this.#beside.value = this.#shownBeside;
+    });
     find("previous-reach").addEventListener("click", () => actions.step(-1));
     find("next-reach").addEventListener("click", () => actions.step(1));
     find("theme").addEventListener("click", () => {
@@ -57,8 +62,8 @@ export class Header {
   /** Shows the numbers of both reaches, but not where a reader types another. */
   show(state: State): void {
     this.#shown = String(state.reach);
-    const beside = state.beside === null ? "" : String(state.beside);
-    for (const [input, value] of [[this.#reach, this.#shown], [this.#beside, beside]] as const) {
+    this.#shownBeside = state.beside === null ? "" : String(state.beside);
+    for (const [input, value] of [[this.#reach, this.#shown], [this.#beside, this.#shownBeside]] as const) {
       if (document.activeElement !== input && input.value !== value) input.value = value;
     }
   }

@@ -4,7 +4,7 @@ import { readAddress } from "./address.ts";
 import { DataError } from "./container.ts";
 import { find } from "./dom.ts";
 import { Live } from "./live.ts";
-import { explain } from "./message.ts";
+import { explain, explainNoReach } from "./message.ts";
 import { Page } from "./page.ts";
 import { findSource } from "./source.ts";
 import "./style.css";
@@ -18,9 +18,10 @@ async function start(): Promise<void> {
     const page = new Page(source, all, asked);
     Object.assign(window, { underbrushReplay: page.inspect });
     const reach = asked.reach ?? 0;
-    if (all[reach] === undefined) throw new DataError(`There is no reach ${reach}; the list has ${all.length}, from 0.`);
-    await page.opening.open(reach, asked);
-    if (all[reach].running) new Live(find("live"), page.frames, (ended) => page.opening.grow(ended));
+    const known = all[reach] !== undefined;
+    await page.opening.open(known ? reach : 0, known ? asked : null);
+    if (!known) explainNoReach(reach, all.length);
+    if (all[0]!.running) new Live(find("live"), page.frames, (ended) => page.opening.grow(ended));
   } catch (error) {
     explain(error);
   }

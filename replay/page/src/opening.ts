@@ -7,7 +7,7 @@ import { GhostChoice } from "./ghost.ts";
 import { join } from "./grow.ts";
 import { type Header, nameOf } from "./header.ts";
 import type { Lists } from "./lists.ts";
-import { explain } from "./message.ts";
+import { clear, explain, explainNoReach } from "./message.ts";
 import { Loaded, type Pane } from "./pane.ts";
 import { Reach } from "./reach.ts";
 import type { Source, Summary } from "./source.ts";
@@ -78,7 +78,7 @@ export class Opening {
       if (request !== this.#request) return;
       const { reach } = loaded;
       const { store, panes, timeline, lists, header } = this.views;
-      find("message").hidden = true;
+      clear();
       panes[0].load(loaded, nameOf(summary));
       timeline.load(reach);
       lists.load(number, reach, loaded.trials);
@@ -92,7 +92,6 @@ export class Opening {
       this.views.seek(reach.frameNearest(asked?.time ?? 0));
       store.touch("reach", "frame");
       this.views.wake();
-      delete document.body.dataset["failed"];
       document.body.dataset["ready"] = String(number);
     } catch (error) {
       if (request === this.#request) explain(error);
@@ -142,6 +141,7 @@ export class Opening {
     const { beside } = state;
     const pane = this.views.panes[1];
     if (beside === null || this.all[beside] === undefined) {
+      if (beside !== null) explainNoReach(beside, this.all.length);
       this.views.store.set({ beside: null });
       pane.stage.remove();
       pane.skins.remove();
@@ -178,7 +178,12 @@ export class Opening {
   follow(asked: Asked): void {
     const { store } = this.views;
     const number = asked.reach ?? store.state.reach;
-    if (number !== store.state.reach) void this.open(number, asked);
+    if (this.#loaded !== null) clear();
+    if (this.all[number] === undefined) {
+      explainNoReach(number, this.all.length);
+      // The address of what is shown takes its place.
+      store.touch("frame");
+    } else if (number !== store.state.reach) void this.open(number, asked);
     else if (this.#loaded !== null) {
       store.set({ ...asked.state, playing: false, beside: asked.beside, ghost: asked.ghost, taxel: findTaxel(this.#loaded.reach, asked.taxel), object: asked.object });
       this.ghosts.offer(number);

@@ -244,6 +244,9 @@ test("strips, plots, reach buttons, tabs and links", async () => {
   await page.keyboard.press("Enter");
   assert.equal(await page.locator("#reach").inputValue(), "2");
   assert.equal((await state(page)).colour, "force");
+  await page.locator("#beside").fill("99");
+  await page.keyboard.press("Enter");
+  assert.equal(await page.locator("#beside").inputValue(), "");
   await page.locator("#reach").fill("0");
   await page.keyboard.press("Enter");
   await ready(page, 0);

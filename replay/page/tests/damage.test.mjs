@@ -116,7 +116,19 @@ test("an address that leads nowhere says so", async () => {
   const server = await serve(file("trunk.parquet"));
   const page = await open(browser, `${server.address}#reach=7`);
   await page.waitForSelector("body[data-failed]");
-  assert.match(await page.locator("#message").textContent(), /no reach 7/);
+  const message = page.locator("#message");
+  assert.match(await message.textContent(), /no reach 7/);
+  // The first reach is shown, and a number that is typed later has the same message.
+  await ready(page);
+  await page.waitForFunction(() => location.hash.startsWith("#reach=0&"));
+  await page.evaluate(() => (location.hash = "#reach=0&t=1"));
+  await page.waitForFunction(() => document.getElementById("message").hidden);
+  await page.evaluate(() => (location.hash = "#reach=42"));
+  await page.waitForFunction(() => location.hash.startsWith("#reach=0&t=1"));
+  assert.match(await message.textContent(), /no reach 42/);
+  assert.ok(await message.isVisible());
+  await page.evaluate(() => (location.hash = "#reach=0&beside=9"));
+  await page.waitForFunction(() => document.getElementById("message").textContent.includes("no reach 9"));
   await page.context().close();
   const two = await serve(file("trunk.parquet"), file("mixed.parquet"));
   const other = await open(browser, two.address);
