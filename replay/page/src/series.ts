@@ -65,8 +65,9 @@ function triple(values: Float32Array, index: number): Triple {
   return [values[3 * index]!, values[3 * index + 1]!, values[3 * index + 2]!];
 }
 
-/** The forces of all objects on the skin in a frame, from the true forces on the taxels. */
+/** The forces of all objects on the skin in a frame, from the true forces on the taxels; of a log nobody knows them. */
 export function pushesAt(reach: Reach, frame: number): Push[] {
+  if (reach.isLog) return [];
   const found = new Map<number, Push & { weight: number }>();
   const patches = reach.header.patches.length;
   for (let row = reach.readingStart[frame]!; row < reach.readingStart[frame + 1]!; row++) {

@@ -92,6 +92,7 @@ test("a recording of a log says nothing that nobody knows", async () => {
   await ready(page);
   await seek(page, 20);
   assert.match(await page.textContent("#details"), /0\.50\s*N/);
+  assert.equal(await page.locator(".force-label:not([hidden])").count(), 0, "an arrow that the legend does not explain");
   const plots = await page.$$eval("[data-plot]:not([hidden])", (found) => found.map((plot) => plot.dataset.plot));
   assert.deepEqual(plots, ["force", "area", "taxel"]);
   assert.equal(await page.textContent("#title"), "log, reach 0");
