@@ -39,15 +39,21 @@ export class Timeline {
   draw(reach: Reach, trials: Trials, palette: Palette): void {
     const axis = (this.#axis = new TimeAxis(this.box.clientWidth, reach.duration));
     const { goals, contacts, verdicts } = reach.header;
-    const rows = verdicts === null ? 2 : 3;
-    const context = prepare(this.#canvas, axis.width, rows * ROW + 2);
+    // A log has no goals, and a table of trials names no contacts of objects.
+    const rows = [
+      ...(reach.isLog ? [] : [{ name: "goals", count: plural(goals.length, "goal") }]),
+      ...(reach.isTable ? [] : [{ name: "contacts", count: plural(contacts.length, "contact") }]),
+      ...(verdicts === null ? [] : [{ name: "mistakes", count: plural(trials.mistakes.length, "mistake") }]),
+    ];
+    const top = (name: string) => ROW * rows.findIndex((row) => row.name === name);
+    const context = prepare(this.#canvas, axis.width, rows.length * ROW + 2);
     const [ink, quiet] = [palette.variable("ink"), palette.variable("quiet")];
     context.font = "12px system-ui, sans-serif";
     context.textBaseline = "middle";
-    ["goals", "contacts", "mistakes"].slice(0, rows).forEach((text, row) => {
+    rows.forEach(({ name }, row) => {
       context.fillStyle = quiet;
       context.textAlign = "right";
-      context.fillText(text, LEFT - 8, (row + 0.5) * ROW);
+      context.fillText(name, LEFT - 8, (row + 0.5) * ROW);
       context.fillStyle = palette.variable("line");
       context.fillRect(LEFT, (row + 0.5) * ROW - 0.5, axis.span, 1);
     });
@@ -75,7 +81,7 @@ export class Timeline {
       // Each category in its own third of the row.
       const names = reach.categories;
       const part = (ROW - 5) / Math.max(names.length, 1);
-      context.fillRect(from, ROW + 2 + names.indexOf(reach.category(contact.object)) * part, Math.max(to - from, 1.5), Math.max(part - 1, 1.5));
+      context.fillRect(from, top("contacts") + 2 + names.indexOf(reach.category(contact.object)) * part, Math.max(to - from, 1.5), Math.max(part - 1, 1.5));
     }
     context.globalAlpha = 1;
     if (verdicts !== null) {
@@ -85,11 +91,11 @@ export class Timeline {
         if (places.has(Math.round(x / 4))) continue;
         places.add(Math.round(x / 4));
         context.fillStyle = context.strokeStyle = palette.variable("over");
-        drawMark(context, look(judgement === "wrong" ? "outlier" : "uncertain").mark, x, 2.5 * ROW, 4);
+        drawMark(context, look(judgement === "wrong" ? "outlier" : "uncertain").mark, x, top("mistakes") + 0.5 * ROW, 4);
       }
     }
-    const mistakes = verdicts === null ? "" : `, ${plural(trials.mistakes.length, "mistake")}`;
-    this.#canvas.setAttribute("aria-label", `${plural(goals.length, "goal")}, ${plural(contacts.length, "contact")}${mistakes}`);
+    this.#canvas.hidden = rows.length === 0;
+    this.#canvas.setAttribute("aria-label", rows.map(({ count }) => count).join(", "));
     const order = contacts.length > 0 && reach.categories.length > 1 ? `The playback bar shows contacts from top to bottom with ${reach.categories.join(", ")}.` : "";
     const crosses = verdicts === null ? "" : "A mistake is marked where its longest wrong time begins: × wrong, ○ uncertain. That time is shaded for the chosen one.";
     say(this.key, `${order} ${crosses}`.trim());

@@ -47,6 +47,7 @@ test("a table of trials is shown without what it does not know", async () => {
   assert.match(text, /palm taxel 5: 5\.50\s*N sensed, towel/);
   assert.doesNotMatch(text, /NaN|true normal force|Pressing now|arrows|path of the hand/);
   assert.doesNotMatch(await page.textContent("#timeline-key"), /contacts/);
+  assert.ok(await page.locator("#timeline canvas").isHidden(), "rows of goals and contacts");
   assert.ok(await page.locator("#jump-contact").isHidden() && (await page.locator("#jump-goal").isHidden()));
   const truth = await page.getAttribute("canvas.strips", "aria-label");
   const [, seconds] = /towel ([\d.]+)/.exec(truth);
