@@ -51,7 +51,7 @@ export class Page {
     this.#playback = new Playback(this.#store, reach);
     const redraw = () => this.#wake(true);
     const picked = (hit: Pick<State, "taxel" | "object">) => this.#set(hit);
-    this.#panes = [new Pane("Arm and objects", redraw, picked), new Pane("Second reach: arm and objects", redraw, () => undefined)];
+    this.#panes = [new Pane("Arm and objects", redraw, picked), new Pane("Second reach: arm and objects", redraw, null)];
     find("panes").append(this.#panes[0].stage);
     find("skins").append(this.#panes[0].skins);
     const seek = (frame: number) => this.#set(this.#playback.seek(frame));

@@ -38,7 +38,8 @@ export class Pane {
   #hovered: number | null = null;
   #looks: ((taxel: number) => TaxelLook) | null = null;
 
-  constructor(readonly name: string, readonly redraw: () => void, readonly picked: (hit: Hit) => void) {
+  /** `picked` hears what a reader chooses; it is null if nothing can be chosen here. */
+  constructor(readonly name: string, readonly redraw: () => void, readonly picked: ((hit: Hit) => void) | null) {
     this.stage.append(this.#title);
   }
 
@@ -46,7 +47,7 @@ export class Pane {
   makeView(): void {
     if (this.stage.childElementCount > 1) return;
     try {
-      this.view = new View3D(this.name, this.redraw, this.picked);
+      this.view = new View3D(this.name, this.redraw, this.picked ?? (() => undefined));
       this.stage.append(this.view.box);
     } catch {
       const text = "This browser cannot draw in 3-D (WebGL is missing or switched off). The maps of the skin, the strips and the plots work without it.";
@@ -67,7 +68,8 @@ export class Pane {
         this.#hovered = taxel;
         this.redraw();
       };
-      return new SkinMap(loaded.reach, patch, point, (taxel) => this.picked({ taxel, object: null }), this.redraw);
+      const { picked } = this;
+      return new SkinMap(loaded.reach, patch, point, picked === null ? null : (taxel) => picked({ taxel, object: null }), this.redraw);
     });
     this.skins.replaceChildren(...this.maps.map((map) => map.box), this.#under);
     if (this.maps.length === 0) this.skins.replaceChildren(element("p", { class: "key" }, "This arm has no skin."));

@@ -40,7 +40,7 @@ export class SkinMap {
     readonly reach: Reach,
     readonly patch: number,
     readonly pointed: (taxel: number | null) => void,
-    readonly chosen: (taxel: number) => void,
+    readonly chosen: ((taxel: number) => void) | null,
     resized: () => void,
   ) {
     const { name, grid, taxels } = reach.header.patches[patch]!;
@@ -52,7 +52,7 @@ export class SkinMap {
     this.#canvas = element("canvas", {
       tabindex: 0,
       role: "application",
-      "aria-label": `Map of the skin of the ${name}, ${size}. Arrow keys move from taxel to taxel, Enter selects one.`,
+      "aria-label": `${chosen === null ? "Second reach: map" : "Map"} of the skin of the ${name}, ${size}. Arrow keys move from taxel to taxel${chosen === null ? "" : ", Enter selects one"}.`,
       class: "skin-map",
       "data-patch": name,
     });
@@ -95,7 +95,7 @@ export class SkinMap {
 
   #choose(taxel: number): void {
     this.#cursor = taxel;
-    this.chosen(taxel);
+    this.chosen?.(taxel);
   }
 
   /** The taxel next to another in a direction, or the same at the edge. */

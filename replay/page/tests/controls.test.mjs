@@ -138,7 +138,9 @@ test("reaches are listed, filtered, opened and compared", async () => {
   await page.waitForSelector("body.compared");
   await seek(page, 500);
   assert.equal(await page.locator(".view").count(), 2);
-  assert.equal(await page.locator(".skin-map").count(), 4);
+  const maps = await page.$$eval(".skin-map", (maps) => maps.map((map) => map.getAttribute("aria-label")));
+  assert.ok(maps.length === 4 && new Set(maps).size === 4, maps.join());
+  assert.ok(maps.slice(2).every((name) => /^Second reach/.test(name) && !/Enter/.test(name)), maps.join());
   assert.match(await page.locator('[data-plot="force"] output').textContent(), /beside \d/);
   await page.waitForFunction(() => location.hash.includes("beside=0"));
   await finish(page);
