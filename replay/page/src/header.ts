@@ -25,6 +25,8 @@ function numberOf(input: HTMLInputElement, count: number): number | null {
   return input.value !== "" && Number.isInteger(number) && number >= 0 && number < count ? number : null;
 }
 
+/** Under which name the browser keeps the theme. */
+const THEME = "underbrush-theme";
 const THEMES = ["system", "light", "dark"];
 
 export class Header {
@@ -94,9 +96,28 @@ export class Header {
 }
 
 function nextTheme(): void {
-  const root = document.documentElement;
-  const next = THEMES[(THEMES.indexOf(root.dataset["theme"] ?? "system") + 1) % THEMES.length]!;
-  if (next === "system") delete root.dataset["theme"];
-  else root.dataset["theme"] = next;
-  say(find("theme"), `Theme: ${next}`);
+  const next = THEMES[(THEMES.indexOf(document.documentElement.dataset["theme"] ?? "system") + 1) % THEMES.length]!;
+  setTheme(next);
+  try {
+    sessionStorage.setItem(THEME, next);
+  } catch {
+    // The browser keeps nothing for this page.
+  }
+}
+
+function setTheme(theme: string): void {
+  const { dataset } = document.documentElement;
+  if (theme === "system") delete dataset["theme"];
+  else dataset["theme"] = theme;
+  say(find("theme"), `Theme: ${theme}`);
+}
+
+/** Takes the theme that was chosen before the page was loaded anew. */
+export function restoreTheme(): void {
+  try {
+    const theme = sessionStorage.getItem(THEME);
+    if (theme !== null && THEMES.includes(theme)) setTheme(theme);
+  } catch {
+    // The browser keeps nothing for this page.
+  }
 }

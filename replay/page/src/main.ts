@@ -3,6 +3,7 @@
 import { readAddress } from "./address.ts";
 import { DataError } from "./container.ts";
 import { find } from "./dom.ts";
+import { restoreTheme } from "./header.ts";
 import { Live } from "./live.ts";
 import { explain, explainNoReach } from "./message.ts";
 import { Page } from "./page.ts";
@@ -11,6 +12,7 @@ import "./style.css";
 
 async function start(): Promise<void> {
   try {
+    restoreTheme();
     const asked = readAddress(location.hash);
     const source = findSource();
     const all = await source.list();

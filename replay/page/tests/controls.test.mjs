@@ -301,7 +301,11 @@ test("theme and help", async () => {
   await page.locator("#theme").click();
   await page.locator("#theme").click();
   assert.equal(await page.locator("#theme").textContent(), "Theme: dark");
-  assert.notEqual(await ground(), system);
+  const dark = await ground();
+  assert.notEqual(dark, system);
+  await page.reload();
+  await ready(page);
+  assert.deepEqual([await ground(), await page.locator("#theme").textContent()], [dark, "Theme: dark"]);
   await page.keyboard.press("?");
   assert.ok(await page.getByRole("dialog").isVisible());
   await page.keyboard.press("Escape");
