@@ -19,12 +19,14 @@ pub struct Response {
     pub status: u16,
     kind: &'static str,
     bytes: Arc<Vec<u8>>,
+    /// Where the content is instead.
+    location: Option<String>,
 }
 
 impl Response {
     /// An answer with this content.
     pub fn new(status: u16, kind: &'static str, bytes: impl Into<Vec<u8>>) -> Self {
-        Response { status, kind, bytes: Arc::new(bytes.into()) }
+        Response { status, kind, bytes: Arc::new(bytes.into()), location: None }
     }
 
     /// An answer with a sentence as plain text.
@@ -34,7 +36,12 @@ impl Response {
 
     /// A packed reach.
     pub fn reach(bytes: Arc<Vec<u8>>) -> Self {
-        Response { status: 200, kind: "application/octet-stream", bytes }
+        Response { status: 200, kind: "application/octet-stream", bytes, location: None }
+    }
+
+    /// Sends the client to another path.
+    pub fn redirect(path: String) -> Self {
+        Response { location: Some(path), ..Response::text(308, "this page is at the same address with a slash") }
     }
 
     /// The list of reaches.
@@ -45,13 +52,15 @@ impl Response {
 
     /// Writes the answer, with `head_only` without its content.
     pub fn write(&self, to: &mut impl Write, head_only: bool) -> io::Result<()> {
+        let location = self.location.as_ref().map(|path| format!("Location: {path}\r\n"));
         let head = format!(
             "HTTP/1.1 {} \r\nContent-Type: {}\r\nContent-Length: {}\r\nContent-Security-Policy: {}; \
-             frame-ancestors 'none'\r\nAccept-Ranges: none\r\nAllow: GET, HEAD\r\n{FIELDS}\r\n",
+             frame-ancestors 'none'\r\nAccept-Ranges: none\r\nAllow: GET, HEAD\r\n{}{FIELDS}\r\n",
             self.status,
             self.kind,
             self.bytes.len(),
             policy(),
+            location.unwrap_or_default(),
         );
         to.write_all(head.as_bytes())?;
         if !head_only {

@@ -123,10 +123,10 @@ impl Shared {
         }
     }
 
-    /// What follows the key in an address, with its slash; `None` without the key.
+    /// What follows the key in an address, with its slash if there is one; `None` without the key.
     fn path<'a>(&self, target: &'a str) -> Option<&'a str> {
         let rest = target.strip_prefix('/')?;
-        let (key, _) = rest.split_once('/')?;
+        let key = rest.split('/').next()?;
         (blake3::hash(key.as_bytes()) == self.key).then(|| &rest[key.len()..])
     }
 
@@ -156,6 +156,7 @@ impl Shared {
         let number = number.map(|number| number.parse().unwrap_or(usize::MAX));
         let command = path.strip_prefix(COMMAND).filter(|_| request.head.method == "POST");
         match (&self.content, number, command) {
+            _ if path.is_empty() => Response::redirect(format!("{}/", request.head.target)),
             _ if path == "/" => Response::new(200, "text/html; charset=utf-8", PAGE.as_bytes()),
             (Content::Stored(source, _), ..) if path == "/api/reaches" => Response::list(&source.reaches),
             (Content::Stored(source, kept), Some(number), _) => reach(source, kept, number),
