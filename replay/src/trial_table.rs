@@ -20,6 +20,8 @@ use crate::{Judging, JudgingModel};
 
 /// Distance between neighbouring taxels, m. Choice.
 const PITCH_M: f64 = 0.01;
+/// The label of contacts in which nothing pressed.
+const NOTHING: &str = "nothing";
 /// Largest number of frames of a reach: two hours at 100 Hz. Without a limit, a gap of years between two trials would
 /// fill the memory with silent frames.
 const MOST_FRAMES: f64 = 720_000.0;
@@ -115,15 +117,16 @@ fn layout(path: &Path, trials: &[Trial]) -> Result<SkinLayout, InputError> {
     Ok(SkinLayout { patches: taxels.into_iter().map(patch).collect() })
 }
 
-/// One object for each category.
+/// One object for each category but [`NOTHING`], which has none.
 fn objects(path: &Path, trials: &[Trial]) -> Result<Vec<ObjectRecord>, InputError> {
-    let names: BTreeSet<&str> = trials.iter().filter_map(|trial| trial.category.as_deref()).collect();
+    let names = trials.iter().filter_map(|trial| trial.category.as_deref());
+    let names: BTreeSet<&str> = names.filter(|name| *name != NOTHING).collect();
     let mut codes = (0..=i8::MAX).filter(|code| !Category::BUILT_IN.iter().any(|known| known.code() == *code));
     let object = |name: &str| {
         let category = Category::from_name(name).or_else(|| Category::from_file(name, codes.next()?));
         let category = category.ok_or_else(|| {
-            let allowed =
-                "at most 124 names of up to 24 lower-case letters, digits and underscores that begin with a letter";
+            let allowed = "at most 124 names of up to 24 lower-case letters, digits and underscores that begin with a letter, and not none, \
+                           uncertain or unknown";
             InputError::new(path, "category", name, allowed, "rename the category")
         })?;
         Ok(ObjectRecord { kind: name.into(), category, position_world: DVec3::ZERO, parameters: BTreeMap::new() })

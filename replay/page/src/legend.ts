@@ -55,7 +55,7 @@ export function drawLegend(box: HTMLElement, reach: Reach, palette: Palette, col
   if (colour === "force") {
     entries.push(element("span", { class: "entry" }, "sensed force", colourBar(palette, largest, limit)));
     if (limit !== null) entries.push(text(`red line and frame: above the controller's limit of ${limit} N`));
-    entries.push(text(reach.isLog ? "slash: without a label" : "slash: a reading that no object causes"));
+    entries.push(text(reach.isLog ? "slash: labelled nothing, or not at all" : "slash: a reading that no object causes"));
   } else {
     const names = colour === "truth" ? [...reach.categories, "spurious"] : (verdicts?.verdicts ?? []);
     entries.push(...names.map((name) => swatch(palette, name)));

@@ -152,7 +152,7 @@ export class Pane {
   #cause(row: number): string {
     const { reach } = this.loaded!;
     const object = reach.readingObject[row]!;
-    if (reach.isLog) return object < 0 ? "without a label" : reach.category(object);
+    if (reach.isLog) return object < 0 ? "labelled nothing, or not at all" : reach.category(object);
     const truth = `${newtons(reach.trueForce[row]!)} true, `;
     return truth + (object < 0 ? "spurious: no object presses" : reach.objectName(object));
   }

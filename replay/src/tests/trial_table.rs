@@ -161,4 +161,17 @@ fn what_cannot_be_shown_is_refused() {
     assert_eq!(reaches(Path::new("log.csv"), &far).unwrap_err().field, "time_s");
     let error = refused(trial(0, 0, 0, "Wet towel", 0, 1));
     assert_eq!((error.field.as_str(), error.found.as_str()), ("category", "Wet towel"));
+    assert!(refused(trial(0, 0, 0, "unknown", 0, 1)).allowed.ends_with("not none, uncertain or unknown"));
+}
+
+/// Tests that the label `nothing` is that of readings without an object.
+#[test]
+fn nothing_is_no_object() {
+    let trials = [trial(0, 0, 0, "nothing", 0, 1), trial(1, 0, 0, "leaf", 5, 6)];
+    let [reach] = &reaches(Path::new("log.csv"), &trials).unwrap()[..] else {
+        panic!("not one reach");
+    };
+    assert_eq!(reach.objects.len(), 1);
+    let objects: Vec<_> = reach.frames.iter().flat_map(|frame| &frame.taxels).map(|reading| reading.object).collect();
+    assert_eq!(objects, [None, None, Some(0), Some(0)]);
 }
