@@ -5,7 +5,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use serde::Serialize;
-use underbrush_recording::Recording;
+use underbrush_recording::{FRAME_PERIOD_S, Recording};
 
 use crate::Verdicts;
 
@@ -70,7 +70,8 @@ impl Live {
     }
 
     /// Reports that one more frame has been simulated. `so_far` returns the reach with this frame, and is called only
-    /// if a request asks for it. Blocks until the first page asks for the status, and while the reach is paused.
+    /// if a request asks for it. Blocks until the first page asks for the status, and while the reach is paused. Otherwise it
+    /// waits a frame's time, so that a reader can follow.
     pub fn frame(&self, so_far: impl Fn() -> Option<PartialReach>) {
         let mut state = self.state();
         state.status.frames += 1;
@@ -86,6 +87,11 @@ impl Live {
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
         state.steps = state.steps.saturating_sub(1);
+        let paused = state.status.paused;
+        drop(state);
+        if !paused {
+            std::thread::sleep(Duration::from_secs_f64(FRAME_PERIOD_S));
+        }
     }
 
     /// Reports that the reach has ended; `whole` is the complete reach.
