@@ -125,8 +125,8 @@ fn objects(path: &Path, trials: &[Trial]) -> Result<Vec<ObjectRecord>, InputErro
     let object = |name: &str| {
         let category = Category::from_name(name).or_else(|| Category::from_file(name, codes.next()?));
         let category = category.ok_or_else(|| {
-            let allowed = "at most 124 names of up to 24 lower-case letters, digits and underscores that begin with a letter, and not none, \
-                           uncertain or unknown";
+            let allowed = "at most 124 names of up to 24 lower-case letters, digits and underscores that begin with a \
+                           letter, and not none, uncertain or unknown";
             InputError::new(path, "category", name, allowed, "rename the category")
         })?;
         Ok(ObjectRecord { kind: name.into(), category, position_world: DVec3::ZERO, parameters: BTreeMap::new() })

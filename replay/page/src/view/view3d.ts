@@ -119,6 +119,8 @@ export class View3D {
     this.#skin = new Skin(reach);
     this.#scene.add(this.#bodies, this.#skin);
     this.#path.load(reach);
+    // Of a log, nobody knows where the hand is.
+    this.#path.visible = !reach.isLog;
     const feet = reach.header.objects.map((object) => object.position_world[2]!);
     const height = feet.length > 0 ? Math.min(...feet) : null;
     this.#grid = new GridHelper(GROUND.side_m, 20);
@@ -132,8 +134,7 @@ export class View3D {
     if (grown) return;
     this.#bodies.place(0);
     const whole = new Box3().expandByObject(this.#bodies, true);
-    // Of a log, nobody knows where the hand is.
-    if (!reach.isLog) whole.expandByObject(this.#path, true);
+    if (this.#path.visible) whole.expandByObject(this.#path, true);
     for (let moment = 0; moment < MOMENTS; moment++) {
       this.#skin.place(Math.round((moment / (MOMENTS - 1)) * (reach.frames - 1)));
       whole.expandByObject(this.#skin, true);
