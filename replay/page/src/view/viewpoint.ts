@@ -17,7 +17,7 @@ const TURNS: Record<string, [number, number, number]> = {
 };
 
 export class Viewpoint {
-  readonly camera = new PerspectiveCamera(FIELD_DEG, 1, 0.02, 20);
+  readonly camera = new PerspectiveCamera(FIELD_DEG, 1, 0.01, 20);
   readonly #controls: OrbitControls;
   #kind: CameraKind | null = null;
   /** What is to be seen as a whole. */
@@ -38,7 +38,7 @@ export class Viewpoint {
       moved();
     });
     this.#controls.maxDistance = 6;
-    this.#controls.minDistance = 0.08;
+    this.#controls.minDistance = 0.03;
     canvas.addEventListener("keydown", (event) => {
       const turn = TURNS[event.key];
       if (turn === undefined || event.ctrlKey || event.metaKey || event.altKey) return;
@@ -105,7 +105,8 @@ export class Viewpoint {
       const { x, y, z } = place.applyMatrix4(this.camera.matrixWorldInverse);
       return 1 + z + Math.max(Math.abs(x) / this.camera.aspect, Math.abs(y)) / high;
     });
-    return Math.max(...distances);
+    // A little farther, so that nothing stands at the very edge.
+    return 1.05 * Math.max(...distances);
   }
 
   /** Fits a view of this size, CSS pixels. A narrow one keeps its width. */
