@@ -56,7 +56,7 @@ pub fn of_path(path: &Path) -> Result<DataSource, DiskError> {
 /// [`DiskError`] if it cannot be read.
 pub fn rate_hz(path: &Path) -> Result<Option<f64>, DiskError> {
     if is_folder(path)? {
-        return Ok(Some(Dataset::open(path)?.info().fps));
+        return Ok(Some(Dataset::open(path)?.plan().rate_hz));
     }
     if is_recording(path)? {
         return Ok(Some(read_recording(path)?.rate_hz));

@@ -182,11 +182,12 @@ pub fn run(session: &Session) -> Result<TestReaches, Fault> {
         let folder = session.folder.join("reaches");
         files::create_folder(&folder)?;
         let count = progress.count("experiments", searches.len() as u64, 0);
+        let plan = session.plan_of(session.seed);
         let found: Vec<Result<Found, Fault>> = searches
             .par_iter()
             .with_max_len(1)
             .map(|search| {
-                let found = search.run(&folder, session.plan_of(session.seed), progress);
+                let found = search.run(&folder, plan.clone(), progress);
                 count.advance();
                 found
             })

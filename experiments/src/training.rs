@@ -111,8 +111,7 @@ impl Trials {
     /// The trials of the run's training reaches, extracted with these options.
     pub fn of_dataset(session: &Session, dataset: &Dataset, options: &TrialOptions) -> Result<Self, Fault> {
         let reaches = reaches(session.experiment);
-        let parts =
-            contact_trials::each_episode(dataset, session.progress, |_, own| Ok(Trials::cut(own, options)?))?;
+        let parts = contact_trials::each_episode(dataset, session.progress, |_, own| Ok(Trials::cut(own, options)?))?;
         Ok(Trials::joined(session.experiment, &reaches, options, parts))
     }
 

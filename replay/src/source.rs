@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use underbrush_recording::disk::{Dataset, Episode, is_folder, is_recording, read_recording, read_trials};
-use underbrush_recording::{Fault, GoalOutcomes, Outcome, Recording, SkinLayout};
+use underbrush_recording::{Fault, GoalOutcomes, Outcome, Recording, SkinLayout, period_s};
 
 use crate::judging::unjudged;
 use crate::pack::pack;
@@ -190,8 +190,11 @@ impl Source {
         if let Some(judging) = &self.judging {
             trial_table::check_model(path, judging)?;
         }
-        for recording in trial_table::reaches(path, &read_trials(path)?)? {
-            self.check(path, &recording.layout, None)?;
+        let trials = read_trials(path)?;
+        let mut rate_hz = period_s(&trials).map(f64::recip);
+        for recording in trial_table::reaches(path, &trials)? {
+            // The warning of a table is given once.
+            self.check(path, &recording.layout, rate_hz.take())?;
             self.list(&recording, file_name(path));
             self.places.push(Place::Table(Box::new(recording)));
         }

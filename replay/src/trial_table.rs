@@ -10,9 +10,9 @@ use std::path::Path;
 
 use glam::DVec3;
 use underbrush_recording::limits::MAX_TAXELS;
-use underbrush_recording::math::median;
 use underbrush_recording::{
-    Category, Frame, Grid, InputError, ObjectRecord, Patch, Pose, Recording, SkinLayout, Taxel, TaxelReading, Trial,
+    Category, FRAME_PERIOD_S, Frame, Grid, InputError, ObjectRecord, Patch, Pose, Recording, SkinLayout, Taxel,
+    TaxelReading, Trial, period_s,
 };
 
 use crate::trial_spans::{Spans, check, patch_name};
@@ -39,7 +39,7 @@ pub fn reaches(path: &Path, trials: &[Trial]) -> Result<Vec<Recording>, InputErr
         by_reach.entry(trial.reach.unwrap_or_default()).or_default().push(trial);
     }
     let recording = |(reach_index, trials): (u64, Vec<&Trial>)| {
-        let period_s = period_s(&trials);
+        let period_s = period_s(trials.iter().copied()).unwrap_or(FRAME_PERIOD_S);
         let spans = Spans::of(&trials);
         if spans.duration_s() > MOST_FRAMES * period_s {
             let found = format!("{} s in reach {reach_index}, with a sample every {period_s} s", spans.duration_s());
@@ -132,15 +132,6 @@ fn objects(path: &Path, trials: &[Trial]) -> Result<Vec<ObjectRecord>, InputErro
         Ok(ObjectRecord { kind: name.into(), category, position_world: DVec3::ZERO, parameters: BTreeMap::new() })
     };
     names.into_iter().map(object).collect()
-}
-
-/// The median time between two samples of a trial, s.
-fn period_s(trials: &[&Trial]) -> f64 {
-    let of_trial = |trial: &&Trial| -> Vec<f64> {
-        let pairs = trial.samples.windows(2);
-        pairs.map(|pair| pair[1].time_s - pair[0].time_s).collect()
-    };
-    median(trials.iter().flat_map(of_trial).collect()).unwrap_or(underbrush_recording::FRAME_PERIOD_S)
 }
 
 /// One frame for each time at which there is a sample, and frames without forces between contacts. Times begin

@@ -269,8 +269,8 @@ fn fitted(options: &EvaluateOptions, path: &Path) -> Result<Box<dyn Classifier>,
 /// ROC curves as CSV: one row per point of each curve. An empty threshold classifies nothing as positive.
 fn roc_csv(evaluation: &Evaluation, decision: &Decision) -> Result<String, Failure> {
     let categories = evaluation.known_categories();
-    let of_category = |category: &String| Some((category.as_str(), category_roc(evaluation, category)?));
-    let mut curves: Vec<(&str, RocCurve)> = categories.iter().filter_map(of_category).collect();
+    let of_categories = categories.iter().filter_map(|own| Some((own.as_str(), category_roc(evaluation, own)?)));
+    let mut curves: Vec<(&str, RocCurve)> = of_categories.collect();
     if let Rule::OutlierBand { uncertain_below, .. } = decision.rule {
         let judge = decision.prepare(categories)?;
         let curve = outlier_roc(evaluation, &judge, uncertain_below);
@@ -278,7 +278,7 @@ fn roc_csv(evaluation: &Evaluation, decision: &Decision) -> Result<String, Failu
     }
     let points = curves.iter().flat_map(|(positives, curve)| curve.points.iter().map(move |point| (*positives, point)));
     let rows = Rows::of(points)
-        .column("positives", |(positives, _)| positives)
+        .column("positives", |(positives, _)| positives.to_owned())
         .column("threshold_nats", |(_, point)| point.threshold.map_or(String::new(), |own| own.to_string()))
         .column("false_positive_rate", |(_, point)| point.false_positive_rate.to_string())
         .column("true_positive_rate", |(_, point)| point.true_positive_rate.to_string());

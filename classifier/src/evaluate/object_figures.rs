@@ -137,7 +137,8 @@ impl ObjectVerdicts {
 impl GroupingFigures {
     pub(super) fn of(objects: &[JudgedObject]) -> Option<Self> {
         let [all, own] = objects.iter().fold([0.0; 2], |sum, own| [sum[0] + own.force_n[0], sum[1] + own.force_n[1]]);
-        let pressed = |own: &JudgedObject| own.pressed_by.iter().map(move |object| (own.reach, *object)).collect::<Vec<_>>();
+        let pressed =
+            |own: &JudgedObject| own.pressed_by.iter().map(move |object| (own.reach, *object)).collect::<Vec<_>>();
         let true_objects: BTreeSet<_> = objects.iter().flat_map(pressed).collect();
         let (groups, true_objects) = (objects.len(), true_objects.len());
         (all > 0.0).then(|| GroupingFigures { purity: own / all, groups, true_objects })
@@ -224,7 +225,8 @@ mod tests {
         let of = |objects: &[JudgedObject]| UnknownFigures::of(objects, &["leaf".into(), "trunk".into()]);
         let (alike, apart) = (of(&alike), of(&objects()));
         assert_eq!((alike.unknown_objects, alike.found_objects), (apart.unknown_objects, apart.found_objects));
-        let unsaid = |own: &UnknownFigures| (own.found_interval.is_none(), own.false_alarm_interval.is_none(), own.roc_area);
+        let unsaid =
+            |own: &UnknownFigures| (own.found_interval.is_none(), own.false_alarm_interval.is_none(), own.roc_area);
         assert_eq!(unsaid(&alike), (true, true, None));
         assert!(apart.false_alarm_interval.is_some() && apart.roc_area.is_some());
     }

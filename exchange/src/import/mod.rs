@@ -79,7 +79,9 @@ fn imported(path: &Path, mapping: &Mapping, mut recorder: Option<Recorder>) -> R
         let remedy = match extension.as_str() {
             "h5" | "hdf5" => "convert it with the Python package: `python -m underbrush.hdf5 csv --help`",
             "mcap" => "convert it with the Python package: `python -m underbrush.mcap csv --help`",
-            "parquet" | "xlsx" | "xls" | "npy" | "npz" | "mat" | "bag" | "db3" => "write it as CSV with the program that reads it",
+            "parquet" | "xlsx" | "xls" | "npy" | "npz" | "mat" | "bag" | "db3" => {
+                "write it as CSV with the program that reads it"
+            }
             _ => "rename it if it holds rows with commas between the cells, or write it as CSV",
         };
         return Err(InputError::new(path, "file name", format!("extension {extension:?}"), ".csv", remedy));
@@ -115,8 +117,7 @@ fn single_samples(trials: &[Trial]) -> Option<String> {
 fn without_numbers(trials: &[Trial], mapping: &Mapping) -> Vec<String> {
     let found = channel_names(trials);
     let empty = mapping.file.channel.iter().map(|own| &own.name).filter(|name| !found.contains(*name));
-    let warning = |name| {
-        format!("the channel {name} has no number in any trial: check `from` of its [[channel]] in the mapping")
-    };
+    let warning =
+        |name| format!("the channel {name} has no number in any trial: check `from` of its [[channel]] in the mapping");
     empty.map(warning).collect()
 }

@@ -190,7 +190,9 @@ impl<'a> Recorder<'a> {
         let (speed_m_per_s, line) = self.fastest;
         if speed_m_per_s > FASTEST_M_PER_S {
             let speed = short(speed_m_per_s);
-            warnings.push(format!("the skin moves at {speed} m/s up to line {line}: the first three of `pose_from` are in m"));
+            warnings.push(format!(
+                "the skin moves at {speed} m/s up to line {line}: the first three of `pose_from` are in m"
+            ));
         }
         if !mapping.file.channel.is_empty() {
             warnings.push("recordings hold no channels: write a table of trials to use each [[channel]]".into());

@@ -19,9 +19,9 @@ mod verdicts;
 
 use std::path::{Path, PathBuf};
 
+use underbrush_recording::InputError;
 use underbrush_recording::disk::Dataset;
 use underbrush_recording::fault::Fault;
-use underbrush_recording::InputError;
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::MakeController;
 use underbrush_sim::scene::Scene;
@@ -247,9 +247,8 @@ impl Entry {
             }
             Entry::Reaching(_) => {
                 let goals = frozen::scene(frozen::REACHING_SCENE)?.file.goals.number();
-                let of_set = |(_, set): &(String, Dataset)| {
-                    each_episode(set, progress, |_, reach| Ok(Reach::of(goals, reach)))
-                };
+                let of_set =
+                    |(_, set): &(String, Dataset)| each_episode(set, progress, |_, reach| Ok(Reach::of(goals, reach)));
                 let [public, audit] = [of_set(&sets[0])?, of_set(&sets[1])?];
                 let ranking = reaching::ranking([&public, &audit]);
                 let [public, audit] = [public, audit].map(|half| reaching::figures(&half));

@@ -37,9 +37,10 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
             }
         }
     }
-    let of_verdicts = file.verdicts.iter().flat_map(|own| {
-        [("verdicts.reaches", Some(own.reaches)), ("verdicts.quick_reaches", own.quick_reaches)]
-    });
+    let of_verdicts = file
+        .verdicts
+        .iter()
+        .flat_map(|own| [("verdicts.reaches", Some(own.reaches)), ("verdicts.quick_reaches", own.quick_reaches)]);
     let of_controllers = file.controllers.iter().map(|own| ("controllers.reaches", Some(own.reaches)));
     for (name, count) in of_verdicts.chain(of_controllers) {
         if let Some(count) = count.filter(|count| !(1..=1_000_000).contains(count)) {

@@ -179,16 +179,6 @@ fn numbers_and_patch_are_checked_when_the_file_is_read() {
     }
 }
 
-/// Tests that a quick run has a third of the reaches, at least two, so that there are two folds, and no more than the whole run.
-#[test]
-fn a_quick_run_has_two_reaches_of_each_scene() {
-    for (reaches, quick) in [(1, 1), (2, 2), (4, 2), (7, 3), (30, 10)] {
-        let (_folder, path) = written(&SMALL.replace("reaches = 4", &format!("reaches = {reaches}")));
-        let file = Experiment::load(&path).unwrap().file;
-        assert_eq!(file.training[0].reaches(true), quick, "of {reaches}");
-    }
-}
-
 /// Tests that values and names by which results are found are refused if they are given twice.
 #[test]
 fn nothing_that_names_a_result_is_given_twice() {

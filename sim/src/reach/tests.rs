@@ -199,7 +199,7 @@ impl Controller for Hesitant {
         self.inner.rate_hz()
     }
 
-    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
+    fn control(&mut self, input: &ControllerInput) -> ControllerOutput {
         let mut targets_world = self.targets_world.lock().unwrap();
         if targets_world.last() != Some(&input.goal_position_world) {
             targets_world.push(input.goal_position_world);

@@ -163,11 +163,13 @@ fn channels_follow_the_taxels() {
 fn everything_suspicious_is_said() {
     let (_folder, path) = file("log.csv");
     written(&path, "t,f,what\n0,1,soft\n1,0,soft\n2,1,soft\n3,0,soft\n");
-    let label = |from_s: u32| format!("[[label]]\nfrom_s = {from_s}\nto_s = 60\nreach = {from_s}\ncategory = \"leaf\"\n");
+    let label =
+        |from_s: u32| format!("[[label]]\nfrom_s = {from_s}\nto_s = 60\nreach = {from_s}\ncategory = \"leaf\"\n");
     let channel = "[[channel]]\nname = \"what\"\nfrom = \"what\"\n";
     let text = format!("[time]\nfrom = \"t\"\n[force]\nfrom = \"f\"\n{}{}{channel}", label(50), label(51));
     let warnings = imported(&path, &text).unwrap().warnings;
-    let expected = ["leaf, 50 to 60 s", "leaf, 51 to 60 s", "2 of 2 trials have a single sample", "channel what has no number"];
+    let expected =
+        ["leaf, 50 to 60 s", "leaf, 51 to 60 s", "2 of 2 trials have a single sample", "channel what has no number"];
     assert_eq!(warnings.len(), expected.len(), "{warnings:?}");
     for (warning, expected) in warnings.iter().zip(expected) {
         assert!(warning.contains(expected), "{warning}");
@@ -183,7 +185,8 @@ fn gaps_do_not_depend_on_where_times_begin() {
         let row = |frame: u32| format!("{},{}\n", begin + f64::from(frame) * step, u32::from(frame % 10 < 6));
         written(&path, &format!("t,f\n{}", (0..500).map(row).collect::<String>()));
         let trials = |gap_s: f64| {
-            let text = format!("[time]\nfrom = \"t\"\nunit = \"{unit}\"\n[force]\nfrom = \"f\"\n[trial]\ngap_s = {gap_s}\n");
+            let text =
+                format!("[time]\nfrom = \"t\"\nunit = \"{unit}\"\n[force]\nfrom = \"f\"\n[trial]\ngap_s = {gap_s}\n");
             imported(&path, &text).unwrap().trials.len()
         };
         assert_eq!([0.05, 0.049].map(trials), [1, 50], "{unit}");

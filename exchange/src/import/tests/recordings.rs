@@ -122,7 +122,9 @@ fn a_given_rate_places_short_reaches() {
     let log = |frames: u32, step_s: f64| {
         // Jitter of up to 0.39 frames, from a sequence without a pattern.
         let jitter = |frame: u32| 0.39 * (12.9898 * f64::from(frame) * f64::from(frame + 3)).sin();
-        let row = |reach: u32, frame: u32| format!("{reach},{},0,0,leaf\n", (f64::from(frame) + jitter(frame + 40 * reach)) * step_s);
+        let row = |reach: u32, frame: u32| {
+            format!("{reach},{},0,0,leaf\n", (f64::from(frame) + jitter(frame + 40 * reach)) * step_s)
+        };
         let rows = (0..12).flat_map(|reach| (0..frames).map(move |frame| row(reach, frame)));
         format!("run,s,f0,f1,label\n{}", rows.collect::<String>())
     };
@@ -136,7 +138,8 @@ fn a_given_rate_places_short_reaches() {
         assert!(found.warnings.is_empty(), "{:?}", found.warnings);
     }
     // The first reach has half the rate of the others.
-    let slow = log(200, 0.01).lines().filter(|row| !row.starts_with("0,")).map(|row| format!("{row}\n")).collect::<String>();
+    let slow =
+        log(200, 0.01).lines().filter(|row| !row.starts_with("0,")).map(|row| format!("{row}\n")).collect::<String>();
     let first = (0..200).map(|frame| format!("0,{},0,0,leaf\n", 0.02 * f64::from(frame))).collect::<String>();
     let (header, others) = slow.split_once('\n').unwrap();
     let found = recorded(&format!("{header}\n{first}{others}"), TAXELS, &still).unwrap();

@@ -9,7 +9,7 @@ use crate::Category;
 use crate::disk::tables::description::describe_tables;
 use crate::disk::tables::dictionary::{FRAMES, TABLES};
 
-use crate::disk::dataset::Info;
+use crate::disk::dataset::info::Info;
 
 /// The card of a set with objects of further `categories`.
 pub(crate) fn card(info: &Info, categories: &[Category]) -> String {

@@ -321,7 +321,7 @@ fn bare_contacts_are_found_from_torques() {
     let limit_nm = arm.joints[0].torque_limit_nm;
     let beyond = |share: f64| {
         let phi = [q[0] + share * limit_nm / arm.joints[0].stiffness_nm_per_rad, q[1], q[2], q[3], q[4], q[5], q[6]];
-        bare.touch(&arm, &poses, &ControllerInput { equilibrium_angle_rad: &phi, ..input.clone() }, &still, 0.0)
+        bare.touch(&arm, &poses, &ControllerInput { equilibrium_angle_rad: phi.to_vec(), ..input.clone() }, &still, 0.0)
     };
     let forces_n = [1.0, 3.0].map(|share| beyond(share).map(|(force_n, ..)| force_n));
     assert!(forces_n[0].is_some_and(|force_n| force_n > 10.0), "{forces_n:?}");
