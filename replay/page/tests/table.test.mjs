@@ -43,7 +43,7 @@ test("a table of trials is shown without what it does not know", async () => {
   assert.deepEqual(row, ["0", "trials", "–", "0", "–", "–", "–", "1.2", "–", "–", "–"]);
   const plots = await page.$$eval("[data-plot]:not([hidden])", (found) => found.map((plot) => plot.dataset.plot));
   assert.deepEqual(plots, ["force", "taxel"]);
-  const text = await page.textContent("body");
+  const text = await page.innerText("body");
   assert.match(text, /palm taxel 5: 5\.50\s*N sensed, towel/);
   assert.doesNotMatch(text, /NaN|true normal force|Pressing now|arrows|path of the hand/);
   assert.doesNotMatch(await page.textContent("#timeline-key"), /contacts/);
@@ -100,7 +100,7 @@ test("a recording of a log says nothing that nobody knows", async () => {
   assert.match(await page.textContent("#facts"), /^a robot's log · no goals · 0\.6\s*s/);
   const row = await page.locator("#panel-reaches tbody tr").first().locator("th, td").allTextContents();
   assert.deepEqual(row, ["0", "log", "–", "0", "–", "–", "–", "0.6", "0.50", "1", "–"]);
-  assert.doesNotMatch(await page.textContent("body"), /seed \d|unknown|0 of 0|within bounds|true normal force|true 0|foot|Pressing now|arrows|path of the hand/);
+  assert.doesNotMatch(await page.innerText("body"), /seed \d|unknown|0 of 0|within bounds|true normal force|true 0|foot|Pressing now|arrows|path of the hand/);
   assert.deepEqual(page.problems, []);
   await page.context().close();
   server.close();
