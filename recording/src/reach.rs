@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use crate::{Audit, Body, Category, Frame, GoalOutcomes, MappedObstacle, NamedStop, Outcome, SafetyStop, SkinLayout};
 
@@ -150,15 +150,10 @@ pub struct Recording {
     /// The controller's map, if it keeps one, sorted by first frame.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub map: Vec<MappedObstacle>,
-    /// The samples. As the tracks of the bodies, they are not serialized; files store them apart.
-    #[serde(serialize_with = "serialize_none")]
+    /// The samples.
     pub frames: Vec<Frame>,
     /// Residuals of the physics.
     pub audit: Audit,
-}
-
-fn serialize_none<S: Serializer>(_: &[Frame], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq::<[Frame; 0]>([])
 }
 
 impl Recording {

@@ -25,6 +25,27 @@ const FORMAT: &str = "underbrush-recording/4";
 /// Metadata key of a [`Recording`] without its frames, as JSON.
 const RECORDING_KEY: &str = "underbrush.recording";
 
+/// A recording without its frames.
+pub(super) fn without_frames(recording: &Recording) -> Recording {
+    Recording {
+        scene: recording.scene.clone(),
+        controller: recording.controller.clone(),
+        seed: recording.seed,
+        reach_index: recording.reach_index,
+        rate_hz: recording.rate_hz,
+        joint_names: recording.joint_names.clone(),
+        layout: recording.layout.clone(),
+        objects: recording.objects.clone(),
+        // Their tracks are not serialized.
+        bodies: recording.bodies.clone(),
+        goals: recording.goals.clone(),
+        contacts: recording.contacts.clone(),
+        map: recording.map.clone(),
+        frames: Vec::new(),
+        audit: recording.audit,
+    }
+}
+
 /// The columns of a recording.
 fn features_of(recording: &Recording) -> Vec<Feature> {
     let of = |columns| features(columns, &recording.joint_names, &recording.layout);
@@ -74,7 +95,7 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
 // Not generic, so that it is compiled once and not in each crate that calls it.
 fn write_to(path: &Path, recording: &Recording) -> Result<(), DiskError> {
     check_recording(recording).map_err(|violation| violation.unwritable(path))?;
-    let header = serde_json::to_string(recording).map_err(DiskError::io(path, "write"))?;
+    let header = serde_json::to_string(&without_frames(recording)).map_err(DiskError::io(path, "write"))?;
     let (features, rows) = (features_of(recording), rows_of(recording));
     let none = columns_of(&features, &rows, 0..0);
     remove_leftovers(path);

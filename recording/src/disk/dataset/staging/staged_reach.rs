@@ -16,6 +16,7 @@ use serde::de::DeserializeOwned;
 
 use crate::disk::check::check_recording;
 use crate::disk::dataset::checksums::FileSum;
+use crate::disk::recording_file::without_frames;
 use crate::disk::whole_file::write_bytes;
 use crate::{DiskError, Frame, InputError, Recording, TrackPoint};
 
@@ -63,7 +64,7 @@ pub(crate) fn unpacked<T: DeserializeOwned>(bytes: &[u8]) -> io::Result<T> {
 }
 
 fn encode(recording: &Recording) -> io::Result<Vec<u8>> {
-    let header = serde_json::to_vec(recording)?;
+    let header = serde_json::to_vec(&without_frames(recording))?;
     let tracks: Vec<&[TrackPoint]> = recording.bodies.iter().map(|body| body.track.as_slice()).collect();
     packed(&(header, &recording.frames, tracks))
 }
