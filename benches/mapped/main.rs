@@ -1,5 +1,5 @@
 //! What a map of touched obstacles and a planned way gain: the same reaches with the published controller under several
-//! rules, and with the mapped controller and several sources of verdicts. docs/map.md has the tables.
+//! rules, and with the mapped controller and several sources of verdicts. docs/evidence/map.md has the tables.
 //!
 //!     cargo run --release --example mapped -- run touch.json 7000 0 40 scenes/mixed.toml … > reaches.csv
 //!     cargo run --release --example mapped -- table reaches.csv

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use underbrush_classifier::trial::TrialOptions;
 use underbrush_recording::{InputError, Trial, short};
 
 /// The name of a patch that has none.
@@ -62,14 +61,6 @@ impl<'a> Placed<'a> {
 /// An error if frames would change the trials of a reach. In a frame each taxel has one reading or none, and its trial
 /// lasts as long as it has one in each frame.
 pub fn check(path: &Path, reach: u64, trials: &[&Trial], spans: &Spans) -> Result<(), InputError> {
-    let threshold_n = TrialOptions::default().threshold_n;
-    let is_weak = |trial: &&&Trial| trial.samples.iter().any(|sample| sample.force_n <= threshold_n);
-    if let Some(trial) = trials.iter().find(is_weak) {
-        let found = format!("{threshold_n} N or less in trial {} of reach {reach}", trial.trial);
-        let allowed = format!("more than {threshold_n} N in all samples; less is no contact on the page");
-        let remedy = "leave such samples out, or cut the trial there";
-        return Err(InputError::new(path, "force_n", found, allowed, remedy));
-    }
     let samples = trials.iter().flat_map(|trial| &trial.samples);
     let mut times_s: Vec<f64> = samples.map(|sample| sample.time_s).collect();
     times_s.sort_by(f64::total_cmp);

@@ -9,6 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use glam::DVec3;
+use underbrush_classifier::trial::TrialOptions;
 use underbrush_recording::limits::MAX_TAXELS;
 use underbrush_recording::{
     Category, FRAME_PERIOD_S, Frame, Grid, InputError, ObjectRecord, Patch, Pose, Recording, SkinLayout, Taxel,
@@ -34,6 +35,7 @@ const MOST_FRAMES: f64 = 720_000.0;
 pub fn reaches(path: &Path, trials: &[Trial]) -> Result<Vec<Recording>, InputError> {
     let layout = layout(path, trials)?;
     let objects = objects(path, trials)?;
+    warn_of_weak(path, trials);
     let mut by_reach: BTreeMap<u64, Vec<&Trial>> = BTreeMap::new();
     for trial in trials {
         by_reach.entry(trial.reach.unwrap_or_default()).or_default().push(trial);
@@ -132,6 +134,19 @@ fn objects(path: &Path, trials: &[Trial]) -> Result<Vec<ObjectRecord>, InputErro
         Ok(ObjectRecord { kind: name.into(), category, position_world: DVec3::ZERO, parameters: BTreeMap::new() })
     };
     names.into_iter().map(object).collect()
+}
+
+/// Warns of trials with forces that are no contact on the page.
+fn warn_of_weak(path: &Path, trials: &[Trial]) {
+    let threshold_n = TrialOptions::default().threshold_n;
+    let is_weak = |trial: &&Trial| trial.samples.iter().any(|sample| sample.force_n <= threshold_n);
+    let (weak, all, path) = (trials.iter().filter(is_weak).count(), trials.len(), path.display());
+    if weak > 0 {
+        log::warn!(
+            "warning: {path}: {weak} of {all} trials have forces of {threshold_n} N or less, which are no contact on the page: such \
+             a trial is shown in several parts, or not at all"
+        );
+    }
 }
 
 /// One frame for each time at which there is a sample, and frames without forces between contacts. Times begin

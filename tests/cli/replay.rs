@@ -183,3 +183,19 @@ fn bad_pictures_are_refused() {
     underbrush!["replay", set, "--size", "64x64"].refused(&["--still"]);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+/// Tests that trials which the page shows in parts are counted in a warning, and that the page is written.
+#[test]
+fn trials_with_weak_samples_are_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let [table, page] = ["log.csv", "page.html"].map(|name| folder.path().join(name));
+    let forces_n = [(0, [0.4, 0.4, 0.4]), (1, [0.4, 0.02, 0.4])];
+    let rows = forces_n.iter().flat_map(|(trial, forces_n)| {
+        let time_s = move |sample: usize| f64::from(*trial) + 0.01 * sample as f64;
+        forces_n.iter().enumerate().map(move |(sample, own_n)| format!("{trial},leaf,0,{},{own_n}\n", time_s(sample)))
+    });
+    std::fs::write(&table, format!("trial,category,taxel,time_s,force_n\n{}", rows.collect::<String>())).unwrap();
+    let written = underbrush!["replay", table, "--out", page];
+    assert!(written.stderr.contains("1 of 2 trials have forces of 0.03 N or less"), "{}", written.stderr);
+    assert!(page.exists());
+}

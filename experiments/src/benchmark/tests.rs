@@ -280,7 +280,7 @@ fn figures_can_be_ended() {
     let set = campaign.write(&folder.path().join("set"), false, &Silent).unwrap().dataset();
     let read = each_episode(&set, &Silent, |place, reach| Ok((place as u64, reach.reach_index))).unwrap();
     assert_eq!(read, [(0, 0), (1, 1), (2, 2)]);
-    let sets = ["one", "other"].map(|name| (name.to_owned(), Dataset::open(&folder.path().join("set")).unwrap()));
+    let sets = ["one", "other"].map(|name| (name.to_owned(), Dataset::open(folder.path().join("set")).unwrap()));
     assert!(blind(None).figures(&sets, &Silent).is_ok());
     let stopped = blind(None).figures(&sets, &Stopped).err().unwrap();
     assert_eq!(stopped.to_string(), Fault::from(ReachError::Stopped).to_string());

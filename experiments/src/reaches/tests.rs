@@ -6,10 +6,7 @@ use underbrush_sim::scene::Scene;
 
 use super::*;
 use crate::progress::{Counter, Silent};
-
-#[path = "../../../tests/support/scenes.rs"]
-#[expect(dead_code, reason = "two scenes are enough here")]
-mod scenes;
+use crate::tests::scenes;
 
 /// Tests that a reach counts as touching one category alone only if the category presses on a taxel in some trial. The
 /// same reach does not count once nothing presses on its taxels.

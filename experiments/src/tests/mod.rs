@@ -3,6 +3,9 @@
 mod campaigns;
 mod definitions;
 mod resumed;
+#[path = "../../../tests/support/scenes.rs"]
+#[expect(dead_code, reason = "some scenes are enough here")]
+pub(crate) mod scenes;
 mod settings;
 mod sources;
 mod table_one_paper;

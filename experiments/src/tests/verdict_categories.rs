@@ -5,11 +5,8 @@ use underbrush_sim::scene::Scene;
 
 use crate::Experiment;
 use crate::experiment::verdicts::held_out;
+use crate::tests::scenes;
 use crate::verdict_transfer::{FoldedReaches, VerdictTransfer};
-
-#[path = "../../../tests/support/scenes.rs"]
-#[expect(dead_code, reason = "two scenes are enough here")]
-mod scenes;
 
 fn examples(recordings: &[Recording]) -> TouchExamples {
     let mut examples = TouchExamples::new(Experiment::paper().unwrap().touch_options());

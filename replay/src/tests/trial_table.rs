@@ -113,18 +113,6 @@ fn a_table_is_a_source() {
     assert_eq!(source.reaches[0].reach_index, 5);
 }
 
-/// Tests that a trial with a sample that is no contact on the page is refused with its number. It used to be split there,
-/// or to vanish.
-#[test]
-fn a_trial_with_a_weak_sample_is_refused() {
-    for (force_n, sample) in [(-0.3, 5), (0.03, 0), (0.0, 9)] {
-        let mut weak = trial(7, 2, 0, "leaf", 0, 9);
-        weak.samples[sample].force_n = force_n;
-        let error = reaches(Path::new("log.csv"), &[trial(6, 2, 1, "leaf", 0, 9), weak]).unwrap_err();
-        assert_eq!((error.field.as_str(), error.found.as_str()), ("force_n", "0.03 N or less in trial 7 of reach 2"));
-    }
-}
-
 /// Tests that trials that frames would change are refused: trials that overlap on a taxel, trials of taxels that are
 /// sampled at different times, and a trial that follows another of its taxel without a frame between them. They used to
 /// be merged or to get further releases.
