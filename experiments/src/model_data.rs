@@ -61,7 +61,8 @@ pub fn rate_hz(path: &Path) -> Result<Option<f64>, DiskError> {
     if is_recording(path)? {
         return Ok(Some(read_recording(path)?.rate_hz));
     }
-    Ok(period_s(&read_trials(path)?).filter(|period_s| *period_s > 0.0).map(f64::recip))
+    // Times are rounded, and the rate is no closer.
+    Ok(period_s(&read_trials(path)?).filter(|period_s| *period_s > 0.0).map(|period_s| (1e6 / period_s).round() / 1e6))
 }
 
 /// Some reaches of a data set.

@@ -83,7 +83,7 @@ fn tables_and_start_models_are_known_by_their_hash() {
     let hash = |path: &Path| blake3::hash(&std::fs::read(path).unwrap()).to_hex().to_string();
     let provenance = &read(&path)["provenance"];
     let name = table.file_name().unwrap().to_str().unwrap();
-    let expected = json!([{"kind": "trials", "name": name, "blake3": hash(&table)}]);
+    let expected = json!([{"kind": "trials", "name": name, "blake3": hash(&table), "rate_hz": 100.0}]);
     assert_eq!(provenance["data"], expected);
     assert_eq!(provenance["options"]["start_blake3"], hash(&start));
     assert_eq!(provenance["options"]["trials"], json!({"min_samples": 1}));
@@ -124,4 +124,23 @@ fn too_little_data_is_warned_of() {
     assert!(call.stderr.contains("of the category leaf"), "{}", call.stderr);
     let both = underbrush!["train", fixture().table_csv(), "--states", "2", "--out", out, "--force"];
     assert_eq!((both.status, both.stderr.as_str()), (0, ""));
+}
+
+/// Tests that a model of a table knows its rate: frames of it are judged without a word, and a table of a tenth of the rate is warned
+/// of.
+#[test]
+fn a_model_of_a_table_knows_its_rate() {
+    let folder = tempfile::tempdir().unwrap();
+    let [model, slow] = ["model.json", "slow.csv"].map(|name| folder.path().join(name));
+    let table = fixture().table_csv();
+    underbrush!["train", table, "--states", "2", "--out", model].success();
+    let classify = |table: &Path| underbrush!["classify", model, table].stderr;
+    assert!(!classify(&table).contains(" Hz"), "{}", classify(&table));
+    let rows = (0..12).map(|sample| format!("{},leaf,{},0.4\n", sample / 6, 0.1 * f64::from(sample)));
+    std::fs::write(&slow, format!("trial,category,time_s,force_n\n{}", rows.collect::<String>())).unwrap();
+    assert!(
+        classify(&slow).contains("frames at 10 Hz, but the model was fitted to frames at 100 Hz"),
+        "{}",
+        classify(&slow)
+    );
 }

@@ -121,9 +121,20 @@ fn categories_that_are_never_named_are_warned_of() {
     }
     let (table, out) = (folder.path().join("mislabelled.csv"), folder.path().join("model.json"));
     std::fs::write(&table, lines.join("\n")).unwrap();
-    let classifier = ["--classifier", "nearest-neighbours"];
+    let classifier = ["--classifier", "nearest-neighbours", "--features", "force"];
     let rate = ["--false-positive-rate", "0.03"];
-    let trained = underbrush!["train", table, "--out", out, classifier[0], classifier[1], rate[0], rate[1]];
+    let trained = underbrush![
+        "train",
+        table,
+        "--out",
+        out,
+        classifier[0],
+        classifier[1],
+        classifier[2],
+        classifier[3],
+        rate[0],
+        rate[1]
+    ];
     for category in ["leaf", "trunk"] {
         let warning = format!("no held-out {category} is called {category}; allow a higher --false-positive-rate");
         assert!(trained.stderr.contains(&warning), "{}", trained.stderr);
