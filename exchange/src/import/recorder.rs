@@ -189,7 +189,7 @@ impl<'a> Recorder<'a> {
         let mut warnings = other_rate(&reaches).into_iter().collect::<Vec<_>>();
         let (speed_m_per_s, line) = self.fastest;
         if speed_m_per_s > FASTEST_M_PER_S {
-            let speed = short(speed_m_per_s);
+            let speed = short(speed_m_per_s.round());
             warnings.push(format!(
                 "the skin moves at {speed} m/s up to line {line}: the first three of `pose_from` are in m"
             ));

@@ -58,6 +58,22 @@ fn best_step_s(times_s: &[f64], mut step_s: f64, mut around: f64) -> f64 {
     }
 }
 
+/// How far after the first time frame 0 is, in frames of this step, if all frames jitter by less than half: opposite the widest part
+/// of a frame in which no time is, of those that put no two times into one frame and leave the fewest frames out.
+fn phase(times_s: &[f64], step_s: f64) -> f64 {
+    let frames = |time_s: &f64| (time_s - times_s[0]) / step_s;
+    let mut parts: Vec<f64> = times_s.iter().map(|time_s| frames(time_s).rem_euclid(1.0)).collect();
+    parts.sort_by(f64::total_cmp);
+    let next = parts[1..].iter().copied().chain([parts[0] + 1.0]);
+    let mut gaps: Vec<(f64, f64)> = parts.iter().copied().zip(next).collect();
+    gaps.sort_by(|a, b| (b.1 - b.0).total_cmp(&(a.1 - a.0)));
+    let phases = gaps.iter().map(|(before, after)| 0.5 * (before + after) + 0.5).map(|own| own - own.round());
+    let place = |time_s: &f64, phase: f64| (frames(time_s) - phase).round();
+    let apart = phases.clone().filter(|own| times_s.is_sorted_by(|a, b| place(a, *own) < place(b, *own)));
+    let last = |own: &f64| place(&times_s[times_s.len() - 1], *own) - place(&times_s[0], *own);
+    apart.min_by(|a, b| last(a).total_cmp(&last(b))).or(phases.clone().next()).unwrap_or(0.0)
+}
+
 /// The straight line through times over places: time at place 0 and step, s.
 fn line(places: &[usize], times_s: &[f64]) -> [f64; 2] {
     let count = places.len() as f64;
@@ -94,7 +110,8 @@ impl TimeGrid {
         let around = if rate_hz.is_some() { AROUND_GIVEN } else { AROUND };
         let mut step_s = if is_certain { median_s } else { best_step_s(times_s, median_s, around) };
         // Two frames before the first one leave room for what is moved.
-        let mut start_s = times_s[0] + (fit(times_s, step_s).1 - 2.0) * step_s;
+        let begin = if is_certain { phase(times_s, step_s) } else { fit(times_s, step_s).1 };
+        let mut start_s = times_s[0] + (begin - 2.0) * step_s;
         let mut places = vec![0; times_s.len()];
         // Twice, because the line through the places gives a better step.
         for _ in 0..2 {

@@ -120,8 +120,9 @@ fn names_with_one_code_can_meet() {
 #[test]
 fn a_given_rate_places_short_reaches() {
     let log = |frames: u32, step_s: f64| {
-        // Jitter of up to 0.39 frames, from a sequence without a pattern.
-        let jitter = |frame: u32| 0.39 * (12.9898 * f64::from(frame) * f64::from(frame + 3)).sin();
+        // Jitter of up to 0.39 frames, all sizes as often, from a sequence without a pattern.
+        let jitter =
+            |frame: u32| 0.39 * (2.0 * (43758.5453 * (12.9898 * f64::from(frame)).sin()).rem_euclid(1.0) - 1.0);
         let row = |reach: u32, frame: u32| {
             format!("{reach},{},0,0,leaf\n", (f64::from(frame) + jitter(frame + 40 * reach)) * step_s)
         };
