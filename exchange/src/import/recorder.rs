@@ -16,7 +16,7 @@ use super::time_grid::TimeGrid;
 
 /// The name of frames in which nothing presses, whatever the skin reads.
 const NOTHING: &str = "nothing";
-/// Skin that moves faster than this has poses in another unit, m/s. Choice: twice the speed of the fastest robot arms.
+/// Skin that moves faster than this has poses in another unit, m/s. Choice: far above the speed of robot arms.
 const FASTEST_M_PER_S: f64 = 20.0;
 /// How much the rates of the reaches of one log may differ, relatively.
 const RATE_DIFFERENCE: f64 = 0.02;
