@@ -18,8 +18,8 @@ pub struct Limits {
     pub head_bytes: usize,
     /// Time within which the whole head must have arrived.
     pub head_time: Duration,
-    /// Time within which a client must take what is sent at once. A send that was taken in part is followed by another, so
-    /// a client that takes nothing keeps its connection up to three times as long.
+    /// Time limit of a single send. What is left of it is sent again, so a client that stops reading may keep its connection up
+    /// to three times as long.
     pub write_time: Duration,
     /// How long a client that has its answer may keep sending. What it sends is discarded.
     pub linger: Duration,

@@ -182,7 +182,7 @@ fn a_recording_gives_the_trials_of_its_reach() {
     assert_eq!(samples, frames.iter().map(sensed).sum::<usize>());
 }
 
-/// Tests that a table is written again as it is, also if its first trial lacks a channel that another one has.
+/// Tests that a table is written again unchanged, even if its first trial lacks a channel that a later one has.
 #[test]
 fn a_table_whose_channels_have_gaps_is_written_again() {
     let folder = tempfile::tempdir().unwrap();

@@ -147,7 +147,8 @@ fn a_given_rate_places_short_reaches() {
     assert!(found.warnings[0].starts_with("reach 0 seems to have frames at 50 Hz"), "{:?}", found.warnings);
 }
 
-/// Tests that poses in millimetres are noticed by the speed of the skin, and that channels, which recordings do not hold, are said.
+/// Tests the warnings about poses in millimetres, which the speed of the skin gives away, and about channels, which recordings
+/// do not hold.
 #[test]
 fn poses_in_millimetres_and_channels_are_warned_of() {
     let row = |frame: u32, scale: f64| {

@@ -266,8 +266,11 @@ impl Controller for Mapped {
 
     fn control(&mut self, input: &ControllerInput) -> ControllerOutput {
         self.time_s += 1.0 / self.preset.rate_hz;
-        let contacts = self.believed(&input.contacts).into_owned();
-        let input = &ControllerInput { contacts, ..input.clone() };
+        let blind = match self.believed(&input.contacts) {
+            Cow::Borrowed(_) => None,
+            Cow::Owned(contacts) => Some(ControllerInput { contacts, ..input.clone() }),
+        };
+        let input = blind.as_ref().unwrap_or(input);
         let poses = self.arm.forward_kinematics(&input.joint_angle_rad);
         self.map.visit(&self.shapes, &poses, self.top_m, self.time_s);
         if self.pursuit.as_ref().is_none_or(|own| own.goal != input.goal_position_world) {
