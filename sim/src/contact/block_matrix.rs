@@ -1,7 +1,7 @@
 //! LU factorization of a matrix of blocks, of which only those are stored that are not zero.
 
 /// Entries of a block that are computed side by side. The compiler turns loops over so many into vector instructions.
-const LANES: usize = 4;
+pub const LANES: usize = 4;
 
 /// The rows and columns of one block on the diagonal.
 #[derive(Clone, Copy, Debug)]

@@ -168,16 +168,25 @@ impl Law {
     /// speeds `speeds`. If nothing presses at these speeds, the columns' areas count instead of the pressures.
     pub fn center_and_radius(&self, nodes: &[Node], speeds: &NormalSpeeds) -> (DVec2, f64) {
         let force = |node: &Node| node.area_m2 * self.mean_press(node, speeds).0;
-        let total: f64 = nodes.iter().map(force).sum();
-        let weight = |node: &Node| if total > 0.0 { force(node) } else { node.area_m2 };
-        let sum: f64 = nodes.iter().map(weight).sum();
+        let pressed = weigh(nodes, force);
+        let is_pressed = pressed.0 > 0.0;
+        let weight = |node: &Node| if is_pressed { force(node) } else { node.area_m2 };
+        let (sum, moment) = if is_pressed { pressed } else { weigh(nodes, weight) };
         if sum <= 0.0 {
             return (DVec2::ZERO, 0.0);
         }
-        let center = nodes.iter().map(|node| node.place * weight(node)).sum::<DVec2>() / sum;
+        let center = moment / sum;
         let radius = nodes.iter().map(|node| node.place.distance(center) * weight(node)).sum::<f64>() / sum;
         (center, radius)
     }
+}
+
+/// The sum of the weights, and of the places times their weights, m.
+fn weigh(nodes: &[Node], weight: impl Fn(&Node) -> f64) -> (f64, DVec2) {
+    nodes.iter().fold((0.0, DVec2::ZERO), |(sum, moment), node| {
+        let weight = weight(node);
+        (sum + weight, moment + node.place * weight)
+    })
 }
 
 /// The place where a normal impulse with its moments about the tangents acts, in the tangent plane, m.

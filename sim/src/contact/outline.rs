@@ -158,7 +158,7 @@ impl Columns<'_> {
             }
             // The nodes are within a convex region, so their columns meet both shapes.
             let surfaces_m = ALONG_STRIP
-                .map(|(node, _)| self.probe(DVec2::new(along, before.0 + before.1 * node), over_m).surfaces_m);
+                .map(|(node, _)| self.surfaces_m(DVec2::new(along, before.0 + before.1 * node)).unwrap_or_default());
             strips[index] = Strip { along, edges: [near.1, far.1], surfaces_m };
         }
         Some(Region { outline, strips })
@@ -201,7 +201,7 @@ impl Search<'_> {
             distance = if within < next && next < beyond { next } else { 0.5 * (within + beyond) };
         }
         if within == 0.0 {
-            edge.surfaces_m = self.columns.probe(from, self.over_m).surfaces_m;
+            edge.surfaces_m = self.columns.surfaces_m(from).unwrap_or_default();
         }
         (beyond.min(limit), edge)
     }

@@ -65,11 +65,14 @@ impl<'a> Columns<'a> {
         })
     }
 
+    /// Where the column at `place` enters the first shape and leaves the second, m. `None` if it misses one.
+    pub(super) fn surfaces_m(&self, place: DVec2) -> Option<[f64; 2]> {
+        Some([self.chords[0].end_m(place, End::Enters)?, self.chords[1].end_m(place, End::Leaves)?])
+    }
+
     /// The overlap in the column at `place`, m; negative for a gap. `None` if the column misses a shape.
     pub fn overlap_m(&self, place: DVec2) -> Option<f64> {
-        let enters_m = self.chords[0].at(place, End::Enters).end_m()?;
-        let leaves_m = self.chords[1].at(place, End::Leaves).end_m()?;
-        Some(leaves_m - enters_m)
+        self.surfaces_m(place).map(|[enters_m, leaves_m]| leaves_m - enters_m)
     }
 
     /// The column at a place, in a region of overlaps of more than `over_m`.
@@ -90,7 +93,7 @@ impl<'a> Columns<'a> {
 
     /// Whether the column at a place overlaps by more than `over_m`.
     pub(super) fn has_more_than(&self, over_m: f64, place: DVec2) -> bool {
-        self.probe(place, over_m).excess.value > 0.0
+        self.overlap_m(place).is_some_and(|overlap_m| overlap_m > over_m)
     }
 
     /// A place within `radius_m` of the origin where the overlap is more than `over_m`.

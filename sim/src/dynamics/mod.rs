@@ -253,13 +253,26 @@ impl Tree {
     /// Velocity of the point of a link at `point_world`, m/s, and angular velocity, rad/s, world frame, at the velocities
     /// that `velocity` returns for the coordinates.
     pub fn velocity_at(&self, link: usize, point_world: DVec3, velocity: impl Fn(usize) -> f64) -> [DVec3; 2] {
-        let mut sum = [DVec3::ZERO; 2];
+        let [found] = self.velocities_at(link, point_world, |at| [velocity(at)]);
+        found
+    }
+
+    /// As [`Tree::velocity_at`], for several sets of velocities.
+    #[inline(always)]
+    pub fn velocities_at<const N: usize>(
+        &self,
+        link: usize,
+        point_world: DVec3,
+        velocities: impl Fn(usize) -> [f64; N],
+    ) -> [[DVec3; 2]; N] {
+        let mut sums = [[DVec3::ZERO; 2]; N];
         for (at, [linear, angular]) in self.motions(link, point_world) {
-            let speed = velocity(at);
-            sum[0] += linear * speed;
-            sum[1] += angular * speed;
+            for (sum, speed) in sums.iter_mut().zip(velocities(at)) {
+                sum[0] += linear * speed;
+                sum[1] += angular * speed;
+            }
         }
-        sum
+        sums
     }
 
     /// Centre of mass of a link, m, world frame.

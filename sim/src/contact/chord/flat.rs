@@ -8,7 +8,7 @@ use super::{Chord, End, PARALLEL, Slope, View};
 /// Faces as linear functions of the place.
 #[derive(Clone, Debug, Default)]
 pub struct Faces {
-    /// Where lines enter, m.
+    /// Minus where lines enter, m.
     entering: Vec<Slope>,
     /// Where lines leave, m.
     leaving: Vec<Slope>,
@@ -33,29 +33,31 @@ impl Faces {
             } else if across.z > 0.0 {
                 self.leaving.push(end());
             } else {
-                self.entering.push(end());
+                self.entering.push(-end());
             }
         }
     }
 
+    #[inline(always)]
     pub(super) fn at(&self, place: DVec2, end: End) -> Chord {
-        let beside = least(&self.beside, place, 1.0);
+        let beside = least(&self.beside, place);
         if beside.value <= 0.0 {
             return Chord::outside(beside);
         }
-        let ends = [least(&self.entering, place, -1.0), least(&self.leaving, place, 1.0)];
+        let ends = [-least(&self.entering, place), least(&self.leaving, place)];
         Chord::between(ends.map(|end| end.value), end, |end| ends[end])
     }
 }
 
-/// The smallest of the functions at a place if `sign` is 1, the largest if it is −1; infinite if there are none.
-fn least(functions: &[Slope], place: DVec2, sign: f64) -> Slope {
-    let (mut value, mut gradient) = (f64::INFINITY, DVec2::ZERO);
-    for function in functions {
-        let here = sign * (function.value + function.gradient.dot(place));
+/// The smallest of the functions at a place; infinite if there are none.
+#[inline(always)]
+fn least(functions: &[Slope], place: DVec2) -> Slope {
+    let (mut value, mut smallest) = (f64::INFINITY, 0);
+    for (index, function) in functions.iter().enumerate() {
+        let here = function.value + function.gradient.dot(place);
         if here < value {
-            (value, gradient) = (here, function.gradient);
+            (value, smallest) = (here, index);
         }
     }
-    Slope { value: sign * value, gradient }
+    Slope { value, gradient: functions.get(smallest).map_or(DVec2::ZERO, |function| function.gradient) }
 }

@@ -49,6 +49,14 @@ pub struct Slope {
     pub gradient: DVec2,
 }
 
+impl std::ops::Neg for Slope {
+    type Output = Slope;
+
+    fn neg(self) -> Slope {
+        Slope { value: -self.value, gradient: -self.gradient }
+    }
+}
+
 impl std::ops::Sub for Slope {
     type Output = Slope;
 
@@ -131,8 +139,19 @@ impl<'a> Chords<'a> {
         })
     }
 
+    /// The end of the line through a point of the plane, m; `None` if the line misses the shape.
+    pub fn end_m(&self, place: DVec2, end: End) -> Option<f64> {
+        self.inlined_at(place, end).end_m()
+    }
+
     /// The line through a point of the plane, m, and one of the line's ends.
     pub fn at(&self, place: DVec2, end: End) -> Chord {
+        self.inlined_at(place, end)
+    }
+
+    /// Compiled into its two callers, because one of them needs no slopes.
+    #[inline(always)]
+    fn inlined_at(&self, place: DVec2, end: End) -> Chord {
         match self {
             Chords::Capsule(capsule) => capsule.at(place, end),
             Chords::Cylinder(cylinder) => cylinder.at(place, end),

@@ -23,6 +23,7 @@ impl Capsule {
         Capsule { start, axis, length_m: start.distance(end), radius_m, endless: Endless::new(axis, radius_m) }
     }
 
+    #[inline(always)]
     pub(super) fn at(&self, place: DVec2, end: End) -> Chord {
         let offset = place.extend(0.0) - self.start;
         let flat = self.axis.truncate() * self.length_m;
@@ -91,6 +92,7 @@ impl Cylinder {
         }
     }
 
+    #[inline(always)]
     pub(super) fn at(&self, place: DVec2, end: End) -> Chord {
         let offset = place.extend(0.0) - self.center;
         let axis = self.axis;

@@ -36,6 +36,7 @@ impl Slabs {
         }))
     }
 
+    #[inline(always)]
     pub(super) fn at(&self, place: DVec2, end: End) -> Chord {
         let mut beside = Slope { value: f64::INFINITY, gradient: DVec2::ZERO };
         let (mut ends_m, mut gradients) = ([f64::NEG_INFINITY, f64::INFINITY], [DVec2::ZERO; 2]);

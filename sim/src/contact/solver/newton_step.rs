@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::{Patch, ROWS, Solver, split};
+use crate::contact::block_matrix::LANES;
 
 /// Trials of the line search.
 const MAX_SEARCH: usize = 20;
@@ -41,9 +42,11 @@ impl Solver {
                 for other in patch.sides.iter().flatten().filter(|other| other.block <= own.block) {
                     let other_columns = &self.columns[other.columns..][..self.blocks[other.block].size];
                     for (at, column) in other_columns.iter().enumerate() {
-                        let targets = self.matrix.entries_mut(own.block, other.block, at);
-                        for (target, pushed) in targets.into_iter().flatten().zip(&self.pushed) {
-                            add_products(target, column, pushed);
+                        let Some(targets) = self.matrix.entries_mut(own.block, other.block, at) else { continue };
+                        // On the diagonal nothing reads the lanes before `at`.
+                        let first = if own.block == other.block { at / LANES * LANES } else { 0 };
+                        for (target, pushed) in targets.into_iter().zip(&self.pushed) {
+                            add_products(target, column, pushed, first);
                         }
                     }
                 }
@@ -124,11 +127,11 @@ impl Solver {
     }
 }
 
-/// Adds to each entry the product of its column of `pushed`, whose rows are one after the other, with `column`.
-fn add_products(entries: &mut [f64], column: &[f64; ROWS], pushed: &[f64]) {
+/// Adds to each entry, from `first` on, the product of its column of `pushed`, whose rows are one after the other, with `column`.
+fn add_products(entries: &mut [f64], column: &[f64; ROWS], pushed: &[f64], first: usize) {
     let width = entries.len();
     let [a, b, c, d, e, f]: [&[f64]; ROWS] = std::array::from_fn(|row| &pushed[row * width..][..width]);
-    for at in 0..width {
+    for at in first..width {
         entries[at] += column[0] * a[at]
             + column[1] * b[at]
             + column[2] * c[at]

@@ -65,42 +65,56 @@ impl<'a> Meeting<'a> {
         }
     }
 
-    /// The overlap beyond which a column at the origin of the plane may press in this step, m, if the overlap there is
-    /// `overlap_m`; and the parting speed when the step begins.
-    pub(super) fn closing_m(&self, plane: &Plane, overlap_m: f64) -> (f64, NormalSpeeds) {
-        let before = self.speeds(plane, |tree, at| tree.coordinates[at].velocity);
-        let ahead_m = self.parted_m(plane)[0];
+    /// The overlap beyond which a column at a point may press along a normal in this step, m, if the overlap there is
+    /// `overlap_m`.
+    pub(super) fn closing_m(&self, point_world: DVec3, normal_world: DVec3, overlap_m: f64) -> f64 {
+        let [before, ahead] = self.motions(point_world, |tree, at| {
+            let velocity = tree.coordinates[at].velocity;
+            [velocity, tree.ahead_s() * velocity]
+        });
+        let ahead_m = ahead[0].dot(normal_world);
         // The speed of surfaces that stay in contact hardly changes. Surfaces that are about to meet may be accelerated
         // in this step, so their speed in it without contacts counts, too.
-        let over_m = self.law.closing_m(before[0]) - ahead_m;
+        let over_m = self.law.closing_m(before[0].dot(normal_world)) - ahead_m;
         if overlap_m > over_m {
-            return (over_m, before);
+            return over_m;
         }
-        let free = self.speeds(plane, |tree, at| tree.next()[at]);
-        (self.law.closing_m(free[0]) - ahead_m, before)
+        let [free] = self.motions(point_world, |tree, at| [tree.next()[at]]);
+        self.law.closing_m(free[0].dot(normal_world)) - ahead_m
     }
 
     /// How far the surfaces have parted at the origin of a plane since the step began, m, and turned, rad: trees move ahead
     /// before contacts are found.
-    fn parted_m(&self, plane: &Plane) -> Vector3<f64> {
+    fn parted_m(&self, plane: &Plane) -> NormalSpeeds {
         self.speeds(plane, |tree, at| tree.ahead_s() * tree.coordinates[at].velocity)
     }
 
     /// The parting speed at the origin of a plane and the angular velocities about its tangents.
     fn speeds(&self, plane: &Plane, velocity: impl Fn(&Tree, usize) -> f64) -> NormalSpeeds {
-        let (mut linear, mut angular) = (DVec3::ZERO, DVec3::ZERO);
+        let [[linear, angular]] = self.motions(plane.origin_world, |tree, at| [velocity(tree, at)]);
+        let [first, second] = plane.tangents_world;
+        Vector3::new(linear.dot(plane.normal_world), angular.dot(first), angular.dot(second))
+    }
+
+    /// The velocity of the first shape relative to the second at a point, m/s, and its angular velocity, rad/s, world frame,
+    /// for each of the velocities that `velocities` returns for a coordinate.
+    #[inline(always)]
+    fn motions<const N: usize>(
+        &self,
+        point_world: DVec3,
+        velocities: impl Fn(&Tree, usize) -> [f64; N],
+    ) -> [[DVec3; 2]; N] {
+        let mut motions = [[DVec3::ZERO; 2]; N];
         for (link, sign) in self.links.iter().zip([1.0, -1.0]) {
             let Some(PlacedLink { slot, link }) = *link else { continue };
             let tree = &self.scene.placed(slot).tree;
-            let [at_point, about] = tree.velocity_at(link, plane.origin_world, |at| velocity(tree, at));
-            linear += at_point * sign;
-            angular += about * sign;
+            let own = tree.velocities_at(link, point_world, |at| velocities(tree, at));
+            for ([linear, angular], own) in motions.iter_mut().zip(own) {
+                *linear += own[0] * sign;
+                *angular += own[1] * sign;
+            }
         }
-        Vector3::new(
-            linear.dot(plane.normal_world),
-            angular.dot(plane.tangents_world[0]),
-            angular.dot(plane.tangents_world[1]),
-        )
+        motions
     }
 }
 
@@ -184,11 +198,7 @@ impl Meeting<'_> {
             return false;
         };
         let gap_m = (lowest - highest).dot(normal_world);
-        gap_m > 0.0
-            && [lowest, highest].into_iter().all(|point| {
-                let (over_m, _) = self.closing_m(&self.pair.plane(point, normal_world), -gap_m);
-                -gap_m <= over_m
-            })
+        gap_m > 0.0 && [lowest, highest].into_iter().all(|point| -gap_m <= self.closing_m(point, normal_world, -gap_m))
     }
 
     /// The patch of a contact that is roughly known, if it may press.
@@ -207,9 +217,8 @@ impl Meeting<'_> {
             known,
             faces,
             |plane, overlap_m| {
-                let over_m;
-                (over_m, before) = self.closing_m(plane, overlap_m);
-                over_m
+                before = self.speeds(plane, |tree, at| tree.coordinates[at].velocity);
+                self.closing_m(plane.origin_world, plane.normal_world, overlap_m)
             },
             nodes,
         )?;
