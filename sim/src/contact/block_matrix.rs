@@ -133,12 +133,15 @@ impl BlockMatrix {
             for lanes in (0..width).step_by(LANES) {
                 let mut sums = [[0.0; LANES]; 2];
                 for (mine, theirs, count) in terms.iter().copied().chain([(place, diagonal, column)]) {
-                    for before in 0..count {
-                        let factor = theirs + before * stride + column;
-                        let from = mine - base + before * width + lanes;
-                        add(&mut sums[0], upper_above[factor], &lower[from..from + LANES]);
-                        add(&mut sums[1], lower_above[factor], &upper[from..from + LANES]);
-                    }
+                    let (own, factors) = (mine - base..mine - base + count * width, theirs..theirs + count * stride);
+                    add_rows(
+                        &mut sums[0],
+                        &upper_above[factors.clone()],
+                        (stride, column),
+                        &lower[own.clone()],
+                        (width, lanes),
+                    );
+                    add_rows(&mut sums[1], &lower_above[factors], (stride, column), &upper[own], (width, lanes));
                 }
                 let here = place - base + column * width + lanes;
                 for lane in 0..LANES {
@@ -159,11 +162,9 @@ impl BlockMatrix {
             for lanes in (row / LANES * LANES..width).step_by(LANES) {
                 let mut sums = [[0.0; LANES]; 2];
                 for (mine, _, count) in terms.iter().copied().chain([(place, place, row)]) {
-                    for from in (mine..).step_by(width).take(count) {
-                        let range = from + lanes..from + lanes + LANES;
-                        add(&mut sums[0], upper[from + row], &lower[range.clone()]);
-                        add(&mut sums[1], lower[from + row], &upper[range]);
-                    }
+                    let [lower, upper] = [&*lower, &*upper].map(|values| &values[mine..mine + count * width]);
+                    add_rows(&mut sums[0], upper, (width, row), lower, (width, lanes));
+                    add_rows(&mut sums[1], lower, (width, row), upper, (width, lanes));
                 }
                 let here = place + row * width + lanes;
                 for lane in 0..LANES {
@@ -222,10 +223,21 @@ impl BlockMatrix {
     }
 }
 
-/// Adds the multiple of some entries.
-fn add(sums: &mut [f64; LANES], factor: f64, entries: &[f64]) {
-    for (sum, entry) in sums.iter_mut().zip(entries) {
-        *sum += factor * entry;
+/// Adds the products of the factors in one column and the entries in some lanes, row by row. The rows of both have the lengths
+/// given.
+#[inline(always)]
+fn add_rows(
+    sums: &mut [f64; LANES],
+    factors: &[f64],
+    (stride, column): (usize, usize),
+    entries: &[f64],
+    (width, lanes): (usize, usize),
+) {
+    for (factors, entries) in factors.chunks_exact(stride).zip(entries.chunks_exact(width)) {
+        let factor = factors[column];
+        for (sum, entry) in sums.iter_mut().zip(&entries[lanes..lanes + LANES]) {
+            *sum += factor * entry;
+        }
     }
 }
 

@@ -39,8 +39,9 @@ impl Slabs {
     #[inline(always)]
     pub(super) fn at(&self, place: DVec2, end: End) -> Chord {
         let mut beside = Slope { value: f64::INFINITY, gradient: DVec2::ZERO };
-        let (mut ends_m, mut gradients) = ([f64::NEG_INFINITY, f64::INFINITY], [DVec2::ZERO; 2]);
-        for Slab { middle, half_m, is_along } in &self.0 {
+        // The last slab that a line enters, and the first that it leaves.
+        let (mut ends_m, mut slabs) = ([f64::NEG_INFINITY, f64::INFINITY], [0; 2]);
+        for (index, Slab { middle, half_m, is_along }) in self.0.iter().enumerate() {
             let value = middle.value + middle.gradient.dot(place);
             if *is_along {
                 let inside_m = half_m - value.abs();
@@ -50,15 +51,15 @@ impl Slabs {
                 continue;
             }
             if value - half_m > ends_m[0] {
-                (ends_m[0], gradients[0]) = (value - half_m, middle.gradient);
+                (ends_m[0], slabs[0]) = (value - half_m, index);
             }
             if value + half_m < ends_m[1] {
-                (ends_m[1], gradients[1]) = (value + half_m, middle.gradient);
+                (ends_m[1], slabs[1]) = (value + half_m, index);
             }
         }
         if beside.value <= 0.0 {
             return Chord::outside(beside);
         }
-        Chord::between(ends_m, end, |end| Slope { value: ends_m[end], gradient: gradients[end] })
+        Chord::between(ends_m, end, |end| Slope { value: ends_m[end], gradient: self.0[slabs[end]].middle.gradient })
     }
 }
