@@ -8,7 +8,7 @@ use serde_json::json;
 use underbrush_classifier::FORMAT;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::evaluate::touch_folds::{
-    ReadReaches, add_auxiliary, check_folds, cross_validate_touch, judge_touch, touch_examples,
+    ReadReaches, add_auxiliary, cross_validate_touch, judge_touch, touch_examples,
 };
 use underbrush_classifier::online_model::OnlineModel;
 use underbrush_classifier::touch::{TOUCH_FORMAT, TouchExamples, TouchModel, TouchOptions};
@@ -90,10 +90,7 @@ impl PyTouchModel {
         let options = options(patch, threshold_n);
         let reaches = Given(&reaches);
         let fit = |examples: &TouchExamples| Ok(examples.fit(limit_wrong)?);
-        let judge = |_: &_| {
-            check_folds(folds, reaches.count())?;
-            cross_validate_touch(folds, &touch_examples(&reaches, options)?, &reaches, fit, Failure::from)
-        };
+        let judge = |_: &_| cross_validate_touch(folds, options, &reaches, fit, Failure::from);
         json::to_python(py, &watched(py, jobs, &Arc::default(), None, judge)?)
     }
 

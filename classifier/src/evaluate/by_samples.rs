@@ -1,12 +1,14 @@
-//! How fast a classifier decides: accuracy against the number of samples since contact.
+//! How fast a classifier decides: accuracy against the number of samples since contact; and the report of an evaluation,
+//! which contains it.
 
 use serde::Serialize;
 use underbrush_recording::Trial;
 
 use super::{
-    AccuracyByTouch, ConfusionMatrix, EvaluateError, Folds, Interval, Prediction, across_folds, bootstrap_by_reach,
+    Accuracy, AccuracyByTouch, ConfusionMatrix, EvaluateError, Evaluation, Folds, Interval, Prediction, across_folds,
+    bootstrap_by_reach,
 };
-use crate::{Decision, Estimator};
+use crate::{Decision, Estimator, FeatureSet};
 
 pub use crate::stream_feature::SAMPLE_COUNTS;
 
@@ -86,6 +88,49 @@ pub fn accuracy_by_samples(
         }
     };
     Ok(limits.iter().enumerate().map(point).collect())
+}
+
+/// An evaluation and how it was done, as the command line prints it and Python returns it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EvaluationReport {
+    /// `None` without cross-validation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub folds: Option<Folds>,
+    /// The verdicts and figures.
+    #[serde(flatten)]
+    pub evaluation: Evaluation,
+    /// Accuracy by the number of samples since contact, if it is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_samples: Option<Vec<AccuracyBySamples>>,
+    /// The same over all contacts, including short ones; `None` if `by_samples` covers them already.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_samples_of_all: Option<Vec<AccuracyBySamples>>,
+    /// All classifiers with their default options on the same folds, the best balanced accuracy first, if no classifier was
+    /// chosen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub comparison: Option<Vec<Compared>>,
+}
+
+/// A classifier among others.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Compared {
+    /// Its name.
+    pub classifier: &'static str,
+    /// The features that it was given because the trials lack its usual ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub features: Option<FeatureSet>,
+    /// Its accuracy over all trials.
+    #[serde(flatten)]
+    pub accuracy: Accuracy,
+    /// 95 % interval of the accuracy over whole reaches; `None` if trials do not name their reaches.
+    pub interval_by_reach: Option<Interval>,
+}
+
+impl From<Evaluation> for EvaluationReport {
+    /// Without cross-validation.
+    fn from(evaluation: Evaluation) -> Self {
+        EvaluationReport { folds: None, evaluation, by_samples: None, by_samples_of_all: None, comparison: None }
+    }
 }
 
 #[cfg(test)]

@@ -176,12 +176,9 @@ impl ConfusionMatrix {
     /// Figures of each true category, in the order of the rows.
     pub fn figures(&self) -> Vec<CategoryFigures> {
         let models = self.verdict.len() - 2;
-        let outlier = Verdict::Outlier.name();
         let figures = self.truth.iter().zip(&self.count).map(|(category, row)| {
-            let mut own = self.verdict[..models].iter().position(|name| name == category);
-            if own.is_none() && category == outlier {
-                own = Some(models + 1);
-            }
+            // Uncertain is right for no truth, whatever it is called.
+            let own = self.verdict.iter().position(|name| name == category).filter(|column| *column != models);
             let trials = row.iter().sum();
             let correct = own.map_or(0, |column| row[column]);
             let taken: usize = own.map_or(0, |column| self.count.iter().map(|row| row[column]).sum());

@@ -6,7 +6,6 @@ mod confusion;
 mod cross_validation;
 mod error;
 mod evaluation;
-mod evaluation_report;
 mod fold;
 mod interval;
 mod object_figures;
@@ -19,18 +18,16 @@ mod touch_contact;
 mod touch_figures;
 pub mod touch_folds;
 mod touch_object;
-mod touch_stiffness;
 
-pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples};
+pub use by_samples::{AccuracyBySamples, Compared, EvaluationReport, SAMPLE_COUNTS, accuracy_by_samples};
 pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix, Rates};
 use cross_validation::{across_folds, predict};
 pub use cross_validation::{cross_validate, evaluate, warn_of_left_out};
 pub use error::EvaluateError;
 pub use evaluation::Evaluation;
-pub use evaluation_report::{Compared, EvaluationReport};
 pub use fold::{FoldBy, Folds};
 pub use interval::{Interval, bootstrap_by_reach, wilson};
-pub use object_figures::{GroupingFigures, ObjectVerdicts, UnknownFigures};
+pub use object_figures::{GroupingFigures, ObjectVerdicts, StiffnessFigures, UnknownFigures};
 pub use prediction::{Prediction, Record};
 pub use roc::{RocCurve, RocPoint, category_roc, outlier_roc};
 pub use stream::{
@@ -39,7 +36,6 @@ pub use stream::{
 pub use threshold::{ChosenThresholds, HeldOut, ThresholdError, ThresholdTargets, choose_thresholds};
 pub use touch_figures::{ReachFigures, RightWithin, TouchFigures, TruthFigures};
 pub use touch_object::JudgedObject;
-pub use touch_stiffness::StiffnessFigures;
 
 #[cfg(test)]
 mod tests;

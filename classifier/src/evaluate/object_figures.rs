@@ -1,9 +1,10 @@
-//! Figures on the objects that touch the skin.
+//! Figures on the objects that touch the skin: whether they are unknown, what they are, and how stiff.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 use underbrush_recording::Category;
+use underbrush_recording::math::median;
 
 use super::touch_object::JudgedObject;
 use super::{Interval, Record, RocCurve, bootstrap_by_reach};
@@ -75,7 +76,8 @@ pub struct GroupingFigures {
 impl UnknownFigures {
     /// The figures for a model with these categories.
     pub fn of(objects: &[JudgedObject], categories: &[String]) -> Self {
-        let [unknown, known] = divided(objects, categories);
+        let judged = objects.iter().filter(|own| own.truth != Category::BLOCK.name());
+        let (known, unknown): (Vec<_>, Vec<_>) = judged.partition(|own| categories.contains(&own.truth));
         let sum = |own: &[&JudgedObject], count: fn(&JudgedObject) -> usize| own.iter().map(|own| count(own)).sum();
         let called_unknown = |own: &JudgedObject| usize::from(is_unknown(&own.at_end));
         let unlike = |own: &[&JudgedObject]| own.iter().map(|own| -own.share_beyond).collect::<Vec<_>>();
@@ -145,15 +147,51 @@ impl GroupingFigures {
     }
 }
 
-fn is_unknown(verdict: &str) -> bool {
-    verdict == Touch::Unknown.name(&[])
+/// Objects that were pressed with less say little, N.
+const PRESSED_N: f64 = 3.0;
+
+/// How well the stiffness of the objects of one category is told. Only objects that were pressed with 3 N or more and gave way
+/// by 1 mm or more count.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StiffnessFigures {
+    /// The category.
+    pub truth: String,
+    /// Number of objects.
+    pub objects: usize,
+    /// Share of which the median of the stiffness is between half and twice the truth.
+    pub within_twice: f64,
+    /// Share of which the interval holds the truth; 90 % is meant.
+    pub held: f64,
+    /// Median of the ratio of the told stiffness to the true one.
+    pub median_ratio: f64,
 }
 
-/// The objects of unknown categories, without foam blocks, and those of known ones.
-fn divided<'a>(objects: &'a [JudgedObject], categories: &[String]) -> [Vec<&'a JudgedObject>; 2] {
-    let objects = objects.iter().filter(|own| own.truth != Category::BLOCK.name());
-    let (known, unknown) = objects.partition(|own| categories.contains(&own.truth));
-    [unknown, known]
+impl StiffnessFigures {
+    /// The figures of each category, in alphabetical order.
+    pub(super) fn of(objects: &[JudgedObject]) -> Vec<Self> {
+        let mut ratios: BTreeMap<&str, Vec<[f64; 2]>> = BTreeMap::new();
+        for own in objects.iter().filter(|own| own.peak_force_n >= PRESSED_N) {
+            let (Some(told), Some(truth_n_per_m)) = (own.stiffness, own.true_stiffness_n_per_m) else { continue };
+            let is_held = (told.low_n_per_m..=told.high_n_per_m).contains(&truth_n_per_m);
+            let ratio = told.median_n_per_m / truth_n_per_m;
+            ratios.entry(&own.truth).or_default().push([ratio, f64::from(u8::from(is_held))]);
+        }
+        let figures = |(truth, ratios): (&str, Vec<[f64; 2]>)| {
+            let count = ratios.len() as f64;
+            StiffnessFigures {
+                truth: truth.to_owned(),
+                objects: ratios.len(),
+                within_twice: ratios.iter().filter(|own| (0.5..=2.0).contains(&own[0])).count() as f64 / count,
+                held: ratios.iter().map(|own| own[1]).sum::<f64>() / count,
+                median_ratio: median(ratios.iter().map(|own| own[0]).collect()).unwrap_or(f64::NAN),
+            }
+        };
+        ratios.into_iter().map(figures).collect()
+    }
+}
+
+fn is_unknown(verdict: &str) -> bool {
+    verdict == Touch::Unknown.name(&[])
 }
 
 /// The interval of the share of objects of which something holds.
@@ -169,105 +207,4 @@ fn interval(objects: &[&JudgedObject], holds: impl Fn(&JudgedObject) -> bool) ->
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// An object with some verdict at its peak and at its end, and the shares of its two contacts that are called unknown.
-    fn object(reach: usize, truth: &str, at_peak: &str, at_end: &str, share_beyond: f64) -> JudgedObject {
-        JudgedObject {
-            reach,
-            truth: truth.into(),
-            after_100_ms: "uncertain".into(),
-            truth_after_100_ms: truth.into(),
-            after_300_ms: at_peak.into(),
-            truth_after_300_ms: truth.into(),
-            at_peak: at_peak.into(),
-            truth_at_peak: truth.into(),
-            at_end: at_end.into(),
-            share_beyond,
-            contacts: 2,
-            contacts_called_unknown: usize::from(at_end == "unknown"),
-            force_n: [4.0, 3.0],
-            pressed_by: if truth == "outlier" { vec![0, 7] } else { vec![0] },
-            ..JudgedObject::new(1)
-        }
-    }
-
-    fn objects() -> Vec<JudgedObject> {
-        vec![
-            object(0, "outlier", "leaf", "unknown", 0.01),
-            object(0, "outlier", "unknown", "leaf", 0.3),
-            object(0, "leaf", "leaf", "leaf", 0.9),
-            object(1, "leaf", "trunk", "leaf", 0.2),
-            object(1, "trunk", "unknown", "unknown", 0.02),
-            // Foam blocks belong to the environment.
-            object(1, "block", "unknown", "unknown", 0.001),
-        ]
-    }
-
-    /// Tests the counts of unknown objects and of false alarms against counts by hand, and that foam blocks are left out. In
-    /// four of the six pairs of an unknown and a known object the unknown one is more unlike, so the area is 4/6.
-    #[test]
-    fn unknown_objects_are_counted() {
-        let figures = UnknownFigures::of(&objects(), &["leaf".into(), "trunk".into()]);
-        assert_eq!((figures.unknown_objects, figures.found_objects, figures.found_objects_at_peak), (2, 1, 1));
-        assert_eq!((figures.known_objects, figures.false_alarm_objects), (3, 1));
-        assert_eq!((figures.unknown_contacts, figures.found_contacts), (4, 1));
-        assert_eq!((figures.known_contacts, figures.false_alarm_contacts), (6, 1));
-        assert!((figures.roc_area.unwrap() - 4.0 / 6.0).abs() < 1e-12);
-    }
-
-    /// Tests that a model that finds all objects alike has counts, but no interval and no area: its verdicts say nothing about
-    /// further reaches.
-    #[test]
-    fn a_model_that_tells_nothing_apart_has_no_intervals() {
-        let alike = objects().into_iter().map(|own| JudgedObject { share_beyond: 1.0, ..own }).collect::<Vec<_>>();
-        let of = |objects: &[JudgedObject]| UnknownFigures::of(objects, &["leaf".into(), "trunk".into()]);
-        let (alike, apart) = (of(&alike), of(&objects()));
-        assert_eq!((alike.unknown_objects, alike.found_objects), (apart.unknown_objects, apart.found_objects));
-        let unsaid =
-            |own: &UnknownFigures| (own.found_interval.is_none(), own.false_alarm_interval.is_none(), own.roc_area);
-        assert_eq!(unsaid(&alike), (true, true, None));
-        assert!(apart.false_alarm_interval.is_some() && apart.roc_area.is_some());
-    }
-
-    /// Tests the verdicts on known objects at each moment against shares by hand.
-    #[test]
-    fn verdicts_are_counted_at_each_moment() {
-        let found = ObjectVerdicts::of(&objects(), &["leaf".into(), "trunk".into()]);
-        let by_moment = |at: &str| *found.iter().find(|own| own.at == at).unwrap();
-        let start = by_moment("0.1 s");
-        assert_eq!((start.objects, start.right, start.wrong), (3, 0.0, 0.0));
-        for (at, [balanced, right, wrong, unknown]) in
-            [("peak", [0.25, 1.0 / 3.0, 2.0 / 3.0, 1.0 / 3.0]), ("end", [0.5, 2.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0])]
-        {
-            let own = by_moment(at);
-            let of_moment = [own.balanced_right, own.right, own.wrong, own.called_unknown];
-            for (found, expected) in of_moment.into_iter().zip([balanced, right, wrong, unknown]) {
-                assert!((found - expected).abs() < 1e-12, "{at}: {found}, expected {expected}");
-            }
-        }
-        assert!(ObjectVerdicts::of(&objects()[..2], &["leaf".into()]).is_empty());
-    }
-
-    /// Tests that a verdict on an object that is found to be a trunk later is compared with the leaf that had pressed until then.
-    #[test]
-    fn verdicts_are_compared_with_what_had_pressed_until_then() {
-        let own = JudgedObject {
-            after_300_ms: "leaf".into(),
-            truth_after_300_ms: "leaf".into(),
-            ..object(0, "trunk", "trunk", "trunk", 0.9)
-        };
-        let found = ObjectVerdicts::of(&[own], &["leaf".into(), "trunk".into()]);
-        assert_eq!(found.iter().map(|own| own.right).collect::<Vec<_>>(), [0.0, 1.0, 1.0, 1.0]);
-    }
-
-    /// Tests that the purity is the share of the force that comes from the true object, and that all objects that pressed count, those of one
-    /// reach once.
-    #[test]
-    fn groups_are_pure_by_force() {
-        let figures = GroupingFigures::of(&objects()).unwrap();
-        assert_eq!((figures.purity, figures.groups, figures.true_objects), (0.75, 6, 3));
-        assert_eq!(GroupingFigures::of(&[]), None);
-    }
-}
+mod tests;

@@ -9,8 +9,8 @@ use underbrush_recording::Recording;
 use super::confusion::{Accuracy, ConfusionMatrix};
 use super::prediction::Record;
 use super::touch_contact::{JudgedContact, OpenContact};
-use super::touch_object::{JudgedObject, ObjectJudge};
-use crate::touch::{TaxelTouch, Touch, TouchClassifier, TouchModel};
+use super::touch_object::{JudgedObject, OpenObject};
+use crate::touch::{Followed, TaxelTouch, Touch, TouchClassifier, TouchModel};
 use crate::trial::TrialError;
 
 /// Number of bins of the probability of the likeliest class.
@@ -100,7 +100,7 @@ impl TouchEvaluation {
         };
         // By patch and taxel.
         let mut open: BTreeMap<(usize, usize), OpenContact> = BTreeMap::new();
-        let mut objects = ObjectJudge::default();
+        let mut objects = Followed::<OpenObject>::default();
         for (index, frame) in recording.frames.iter().enumerate() {
             classifier.update(frame)?;
             for tracker in classifier.patches() {
@@ -111,10 +111,10 @@ impl TouchEvaluation {
             for taxel in classifier.taxels() {
                 evaluation.judge(&classifier, taxel, &mut open, recording);
             }
-            objects.update(&classifier, index, recording);
+            objects.judge(&classifier, index, recording);
         }
         evaluation.contacts.extend(open.into_values().filter_map(OpenContact::close));
-        evaluation.objects = objects.finish(recording);
+        evaluation.objects = objects.judged(recording);
         evaluation.reaches.push(evaluation.known());
         Ok(evaluation)
     }
@@ -144,13 +144,10 @@ impl TouchEvaluation {
         let categories = classifier.model().categories();
         let tracker = classifier.patches().iter().find(|tracker| tracker.image.patch_index() == taxel.patch);
         let touching = tracker.and_then(|tracker| tracker.image.pressing(taxel.taxel, recording));
-        let truth = match touching {
-            None => Touch::Nothing,
-            Some(category) => {
-                let known = categories.iter().position(|own| own == category.name());
-                known.map_or(Touch::Unknown, Touch::Category)
-            }
-        };
+        let truth = touching.map_or(Touch::Nothing, |category| {
+            let known = categories.iter().position(|own| own == category.name());
+            known.map_or(Touch::Unknown, Touch::Category)
+        });
         let row = match truth {
             Touch::Nothing => 0,
             Touch::Category(index) => index + 1,
@@ -186,9 +183,7 @@ impl TouchEvaluation {
 
     /// Adds the verdicts on other recordings by a model with the same categories.
     pub fn add(&mut self, other: TouchEvaluation) {
-        if self.tallies.is_empty() {
-            self.tallies = vec![TouchTally::default(); other.tallies.len()];
-        }
+        self.tallies.resize(self.tallies.len().max(other.tallies.len()), TouchTally::default());
         for (own, other) in self.tallies.iter_mut().zip(&other.tallies) {
             *own = own.plus(other);
         }

@@ -5,8 +5,7 @@ use underbrush_recording::math::median;
 
 use super::touch::{CalibrationBin, TouchEvaluation, TouchTally};
 use super::touch_object::JudgedObject;
-use super::touch_stiffness::StiffnessFigures;
-use super::{Accuracy, GroupingFigures, ObjectVerdicts, SAMPLE_COUNTS, UnknownFigures};
+use super::{Accuracy, GroupingFigures, ObjectVerdicts, SAMPLE_COUNTS, StiffnessFigures, UnknownFigures};
 
 /// The figures of a [`TouchEvaluation`]. All shares are from 0 to 1, and `None` if there is nothing to count.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,5 +1,6 @@
 //! Touch models judged on whole reaches, and cross-validated.
 
+use std::iter;
 use std::sync::Arc;
 
 use serde::Serialize;
@@ -71,40 +72,26 @@ pub fn add_auxiliary<R: ReadReaches>(examples: &mut TouchExamples, reaches: &R) 
     })
 }
 
-/// All verdicts so far.
-#[derive(Default)]
-struct Judged {
-    verdicts: TouchEvaluation,
-    categories: Vec<String>,
-    decisions: Vec<TouchDecision>,
-}
-
-impl Judged {
-    /// Adds the verdicts of a model on some of the reaches.
-    fn add<R: ReadReaches>(
-        &mut self,
-        model: TouchModel,
-        reaches: &R,
-        keeps: &dyn Fn(usize) -> bool,
-    ) -> Result<(), R::Error> {
-        self.decisions.push(model.decision);
-        let model = Arc::new(model);
-        reaches.read(keeps, &mut |recording| {
+/// Judges reaches with models, of which each judges a part: reach i belongs to part i modulo their number, which is 1 without
+/// folds.
+fn judged<R: ReadReaches>(
+    folds: Option<usize>,
+    models: impl Iterator<Item = Result<TouchModel, R::Error>>,
+    categories: &[String],
+    reaches: &R,
+) -> Result<TouchReport, R::Error> {
+    let (mut verdicts, mut decisions) = (TouchEvaluation::default(), Vec::new());
+    for (part, model) in models.enumerate() {
+        let model = Arc::new(model?);
+        decisions.push(model.decision);
+        reaches.read(&|position| position % folds.unwrap_or(1) == part, &mut |recording| {
             require_truth(recording)?;
-            self.verdicts.add(TouchEvaluation::of(&model, recording)?);
+            verdicts.add(TouchEvaluation::of(&model, recording)?);
             Ok(())
-        })
+        })?;
     }
-
-    fn report(self, folds: Option<usize>, reaches: usize) -> TouchReport {
-        TouchReport {
-            folds,
-            reaches,
-            figures: TouchFigures::of(&self.verdicts, &self.categories),
-            categories: self.categories,
-            decisions: self.decisions,
-        }
-    }
+    let figures = TouchFigures::of(&verdicts, categories);
+    Ok(TouchReport { folds, reaches: reaches.count(), categories: categories.to_vec(), decisions, figures })
 }
 
 /// Judges reaches with a model.
@@ -112,55 +99,43 @@ impl Judged {
 /// # Errors
 /// If a reach cannot be read, or the model does not fit its skin.
 pub fn judge_touch<R: ReadReaches>(model: TouchModel, reaches: &R) -> Result<TouchReport, R::Error> {
-    let mut judged = Judged { categories: model.categories().to_vec(), ..Judged::default() };
-    judged.add(model, reaches, &|_| true)?;
-    Ok(judged.report(None, reaches.count()))
+    let categories = model.categories().to_vec();
+    judged(None, iter::once(Ok(model)), &categories, reaches)
 }
 
-/// Checks a number of folds, which can be done before the reaches are read.
+/// Cross-validates touch models, which know what touches the skin from readings with these options. Reach i belongs to part i
+/// modulo `folds`. Each part is judged by a model that `fit` fits to the other parts.
 ///
 /// # Errors
-/// If it is below 2, or above the number of reaches.
-pub fn check_folds(folds: usize, reaches: usize) -> Result<(), EvaluateError> {
-    if folds < 2 {
-        return Err(EvaluateError::FoldCount { found: folds });
-    }
-    if reaches < folds {
-        return Err(EvaluateError::FewReaches { reaches, folds });
-    }
-    Ok(())
-}
-
-/// Cross-validates touch models. Reach i belongs to part i modulo `folds`. Each part is judged by a model that `fit`
-/// fits to the other parts. `examples` holds the rows of all reaches, in order.
-///
-/// # Errors
-/// The result of `refused` for a [`EvaluateError`], if there are too few folds, reaches or categories; also the
-/// errors of reading a reach and of `fit`.
+/// The result of `refused` for a [`EvaluateError`], if there are too few folds, which is checked before any reach is read, too
+/// few reaches or categories; also the errors of reading a reach and of `fit`.
 pub fn cross_validate_touch<R: ReadReaches>(
     folds: usize,
-    examples: &TouchExamples,
+    options: TouchOptions,
     reaches: &R,
     fit: impl Fn(&TouchExamples) -> Result<TouchModel, R::Error>,
     refused: impl Fn(EvaluateError) -> R::Error,
 ) -> Result<TouchReport, R::Error> {
-    let count = reaches.count();
-    check_folds(folds, count).map_err(&refused)?;
-    let mut judged = Judged { categories: examples.categories(), ..Judged::default() };
-    for fold in 0..folds {
-        let own = |position: usize| position % folds == fold;
-        let model = fit(&examples.some(|position| !own(position)))?;
-        if model.categories() != judged.categories {
-            let error = EvaluateError::FewCategories {
+    if folds < 2 {
+        return Err(refused(EvaluateError::FoldCount { found: folds }));
+    }
+    if reaches.count() < folds {
+        return Err(refused(EvaluateError::FewReaches { reaches: reaches.count(), folds }));
+    }
+    let examples = touch_examples(reaches, options)?;
+    let categories = examples.categories();
+    let models = (0..folds).map(|fold| {
+        let model = fit(&examples.some(|position| position % folds != fold))?;
+        if model.categories() != categories {
+            return Err(refused(EvaluateError::FewCategories {
                 fold: fold + 1,
                 folds,
                 left: model.categories().to_vec(),
-                all: judged.categories,
+                all: categories.clone(),
                 remedy: "use more reaches or another number of folds",
-            };
-            return Err(refused(error));
+            }));
         }
-        judged.add(model, reaches, &own)?;
-    }
-    Ok(judged.report(Some(folds), count))
+        Ok(model)
+    });
+    judged(Some(folds), models, &categories, reaches)
 }

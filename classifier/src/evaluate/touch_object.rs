@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use underbrush_recording::{Category, Recording};
+use underbrush_recording::Recording;
 
 use crate::touch::{
-    Mobility, ObjectTouch, Stiffness, Touch, TouchClassifier, TouchObject, Votes, category_of, count_votes, strongest,
+    Followed, Mobility, ObjectTouch, Stiffness, Touch, TouchClassifier, TouchObject, Votes, strongest,
     true_stiffness_n_per_m,
 };
 
@@ -63,17 +63,10 @@ pub struct JudgedObject {
     pub pressed_by: Vec<u16>,
 }
 
-/// Follows the objects of a reach.
+/// An object while its reach is followed.
 #[derive(Default)]
-pub(super) struct ObjectJudge {
-    open: BTreeMap<u64, OpenObject>,
-    closed: Vec<JudgedObject>,
-}
-
-/// An object that has not ended.
-struct OpenObject {
+pub(super) struct OpenObject {
     judged: JudgedObject,
-    votes: Votes,
     /// The last verdict on each of its contacts, by patch and number.
     contacts: BTreeMap<(usize, u64), Touch>,
     /// The frame in which its force was largest.
@@ -81,72 +74,38 @@ struct OpenObject {
     is_judged: bool,
 }
 
-impl ObjectJudge {
+impl Followed<OpenObject> {
     /// Takes in the verdicts on a frame of the recording.
-    pub(super) fn update(&mut self, classifier: &TouchClassifier, frame: usize, recording: &Recording) {
+    pub(super) fn judge(&mut self, classifier: &TouchClassifier, frame: usize, recording: &Recording) {
         let tracker = classifier.object_tracker();
-        let ended = tracker.ended.iter().filter_map(|object| self.open.remove(&object.number));
-        self.closed.extend(ended.filter_map(|open| open.close(recording)));
-        for object in &tracker.objects {
-            self.open.entry(object.number).or_insert_with(|| OpenObject::new(object.number));
-        }
-        count_votes(classifier.patches(), tracker, |object, truth, force_n| {
-            if let Some(open) = self.open.get_mut(&object.number) {
-                *open.votes.entry(truth).or_default() += force_n;
-            }
-        });
+        self.update(classifier.patches(), tracker);
         let categories = classifier.model().categories();
         for (object, own) in tracker.objects.iter().zip(classifier.objects()) {
-            if let Some(open) = self.open.get_mut(&object.number) {
-                let truth = category_of(&open.votes, recording);
-                open.update(object, (own, own.touch.name(categories)), truth, (frame, recording.frames[frame].time_s));
+            if let Some((open, votes)) = self.of(object.number) {
+                let truth = strongest(votes, recording).map_or("", |(.., category)| category.name());
+                let time_s = recording.frames[frame].time_s;
+                open.update(object, own, [own.touch.name(categories), truth], frame, time_s);
             }
         }
         for region in classifier.regions() {
-            if let Some(open) = region.object.and_then(|object| self.open.get_mut(&object)) {
+            if let Some((open, _)) = region.object.and_then(|object| self.of(object)) {
                 open.contacts.insert((region.patch, region.contact), region.touch);
             }
         }
     }
 
     /// All objects, once the recording is over.
-    pub(super) fn finish(mut self, recording: &Recording) -> Vec<JudgedObject> {
-        self.closed.extend(self.open.into_values().filter_map(|open| open.close(recording)));
-        self.closed
-    }
-}
-
-impl JudgedObject {
-    /// An object without verdicts.
-    pub fn new(object: u64) -> Self {
-        let none = || Touch::Uncertain.name(&[]).to_owned();
-        JudgedObject {
-            object,
-            after_100_ms: none(),
-            after_300_ms: none(),
-            at_peak: none(),
-            at_end: none(),
-            share_beyond: 1.0,
-            ..JudgedObject::default()
-        }
+    pub(super) fn judged(self, recording: &Recording) -> Vec<JudgedObject> {
+        self.finish().filter_map(|(open, votes)| open.close(votes, recording)).collect()
     }
 }
 
 impl OpenObject {
-    fn new(object: u64) -> Self {
-        let judged = JudgedObject::new(object);
-        OpenObject { judged, votes: Votes::new(), contacts: BTreeMap::new(), peak_frame: 0, is_judged: false }
-    }
-
-    fn update(
-        &mut self,
-        object: &TouchObject,
-        (own, verdict): (&ObjectTouch, &str),
-        truth: Option<Category>,
-        (frame, time_s): (usize, f64),
-    ) {
+    /// Takes in a frame. `names` are those of the verdict and of the truth until then, which is empty if nothing pressed.
+    fn update(&mut self, object: &TouchObject, own: &ObjectTouch, names: [&str; 2], frame: usize, time_s: f64) {
+        let [verdict, truth] = names;
         let judged = &mut self.judged;
-        let truth = truth.map_or("", |truth| truth.name());
+        judged.object = object.number;
         // Tolerates rounding of the times.
         let since_s = time_s - object.start_s - 1e-6;
         for (verdict_then, truth_then, until_s) in [
@@ -178,9 +137,9 @@ impl OpenObject {
     }
 
     /// The object, if it was felt well enough and something truly pressed.
-    fn close(mut self, recording: &Recording) -> Option<JudgedObject> {
-        let (true_object, own_n) = strongest(&self.votes).filter(|_| self.is_judged)?;
-        let truth = category_of(&self.votes, recording)?.name();
+    fn close(mut self, votes: Votes, recording: &Recording) -> Option<JudgedObject> {
+        let (true_object, own_n, truth) = strongest(&votes, recording).filter(|_| self.is_judged)?;
+        let truth = truth.name();
         let judged = &mut self.judged;
         for before in [&mut judged.truth_after_100_ms, &mut judged.truth_after_300_ms, &mut judged.truth_at_peak] {
             // Spurious readings only, until then.
@@ -194,8 +153,8 @@ impl OpenObject {
             true_stiffness_n_per_m: true_stiffness_n_per_m(recording, self.peak_frame, true_object),
             contacts: self.contacts.len(),
             contacts_called_unknown: self.contacts.values().filter(|touch| **touch == Touch::Unknown).count(),
-            force_n: [self.votes.values().sum(), own_n],
-            pressed_by: self.votes.into_keys().collect(),
+            force_n: [votes.values().sum(), own_n],
+            pressed_by: votes.into_keys().collect(),
             ..self.judged
         })
     }

@@ -57,42 +57,23 @@ impl<const INPUTS: usize> FeatureRows<INPUTS> {
 }
 
 impl Network {
-    /// Writes the log-odds of each class, up to a common constant, to `classes`. Nothing is allocated.
-    pub fn scores<const INPUTS: usize>(&self, features: &[f64; INPUTS], classes: &mut [f64]) {
-        self.scores_of_four(&features.map(|feature| [feature; FOUR]), |class, scores| {
-            classes[class] = scores[0];
-        });
-    }
-
     /// Writes the log-odds of each class, up to a common constant, to `classes`, one row after the other.
     pub(super) fn scores_of<const INPUTS: usize>(&self, rows: &FeatureRows<INPUTS>, classes: &mut Vec<f64>) {
         let count = self.output.len();
         classes.clear();
         classes.resize(rows.count * count, 0.0);
         for (four, classes) in rows.fours.iter().zip(classes.chunks_mut(FOUR * count)) {
-            self.scores_of_four(four, |class, scores| {
-                for (classes, score) in classes.chunks_exact_mut(count).zip(scores) {
-                    classes[class] = score;
-                }
-            });
+            dispatch!(level(), simd => self.scores_of_four(simd, four, classes));
         }
     }
 
-    /// The scores of four rows, class by class.
-    fn scores_of_four<const INPUTS: usize>(
-        &self,
-        features: &[[f64; FOUR]; INPUTS],
-        mut write: impl FnMut(usize, [f64; FOUR]),
-    ) {
-        dispatch!(level(), simd => self.scores_with(simd, features, &mut write));
-    }
-
+    /// Writes the scores of four rows, or of as many as there is room for, to `classes`.
     #[inline(always)]
-    fn scores_with<S: Simd, const INPUTS: usize>(
+    fn scores_of_four<S: Simd, const INPUTS: usize>(
         &self,
         simd: S,
         features: &[[f64; FOUR]; INPUTS],
-        write: &mut impl FnMut(usize, [f64; FOUR]),
+        classes: &mut [f64],
     ) {
         let mut inputs = [[0.0; FOUR]; INPUTS];
         let fitted = self.mean[..INPUTS].iter().zip(&self.scale[..INPUTS]);
@@ -114,14 +95,17 @@ impl Network {
             *units = sums.map(|sum| sum.max_precise(zero));
         }
         for (class, (weights, constant)) in self.output.iter().zip(&self.output_constant).enumerate() {
-            // The order of the sums is that of [`Network::fit`], which sums single rows.
+            // The order of the sums is that of [`Network::scores`], which sums single rows.
             let mut sums = [zero; 4];
             for (units, weights) in units.as_chunks::<4>().0.iter().zip(weights.as_chunks::<4>().0) {
                 for ((sum, unit), weight) in sums.iter_mut().zip(units).zip(weights) {
                     *sum += *unit * *weight;
                 }
             }
-            write(class, ((sums[0] + sums[1]) + (sums[2] + sums[3]) + *constant).into());
+            let scores: [f64; FOUR] = ((sums[0] + sums[1]) + (sums[2] + sums[3]) + *constant).into();
+            for (classes, score) in classes.chunks_exact_mut(self.output.len()).zip(scores) {
+                classes[class] = score;
+            }
         }
     }
 }

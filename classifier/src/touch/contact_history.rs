@@ -55,8 +55,7 @@ pub const REGION_FEATURE_COUNT: usize = Course::COUNT;
 pub struct Course {
     count: f64,
     start_s: f64,
-    last_s: f64,
-    elapsed_s: f64,
+    pub(super) last_s: f64,
     /// The last sample.
     pub now: Measure,
     first_force_n: f64,
@@ -64,17 +63,18 @@ pub struct Course {
     pub(super) largest_force_n: f64,
     largest_taxel_force_n: f64,
     most_taxels: f64,
-    press_at_largest_m: f64,
-    press_m: f64,
+    pub(super) press_at_largest_m: f64,
+    /// How far the skin has moved along its outward normal since the contact began, m.
+    pub(super) press_m: f64,
     largest_press_m: f64,
     press_path_m: f64,
     slide_path_m: f64,
     skin_path_m: f64,
     first_link: DVec3,
-    first_world: DVec3,
+    /// Where it began, m.
+    pub(super) first_world: DVec3,
     work_j: f64,
     largest_step_n: f64,
-    variation_n: f64,
     /// How much the force changed from sample to sample in the recent past, as a share of the force.
     pub(super) roughness: f64,
     first_press_m: f64,
@@ -119,14 +119,13 @@ impl Course {
             self.skin_path_m += measure.center_link.distance(self.now.center_link);
             self.work_j += 0.5 * (force_n + self.now.force_n) * measure.press_m;
             self.largest_step_n = self.largest_step_n.max(step_n.abs());
-            self.variation_n += step_n.abs();
             let kept = math::exp(-since_last_s / RECENT_S);
             self.roughness = kept * self.roughness + (1.0 - kept) * step_n.abs() / (force_n + FORCE_KNEE_N);
             self.recent_press_squares = kept * self.recent_press_squares + measure.press_m * measure.press_m;
             self.recent_force_press = kept * self.recent_force_press + measure.press_m * step_n;
         }
         self.last_s = time_s;
-        self.elapsed_s = time_s - self.start_s;
+        let elapsed_s = time_s - self.start_s;
         if force_n > self.largest_force_n {
             self.largest_force_n = force_n;
             self.press_at_largest_m = self.press_m;
@@ -137,11 +136,11 @@ impl Course {
         if self.count <= FIRST_SAMPLES {
             self.first_press_m = self.press_m;
             self.first_rise_n = force_n - self.first_force_n;
-            self.first_s = self.elapsed_s;
+            self.first_s = elapsed_s;
         }
         self.force.push(self.count, force_n);
         let press_deviation = self.press.push(self.count, self.press_m);
-        let time_deviation = self.time.push(self.count, self.elapsed_s);
+        let time_deviation = self.time.push(self.count, elapsed_s);
         self.force_press += press_deviation * (force_n - self.force.mean);
         self.force_time += time_deviation * (force_n - self.force.mean);
         self.now = *measure;

@@ -4,12 +4,10 @@ use underbrush_recording::Recording;
 
 use super::compress::compress;
 use super::contact_history::REGION_FEATURE_COUNT;
-use super::frame::SkinTracker;
+use super::frame::{SkinTracker, TAXEL_FEATURE_COUNT, TaxelCourse, TouchOptions};
 use super::network::Row;
-use super::object::{ObjectExample, ObjectExamples, ObjectTracker, Votes, category_of};
-use super::options::TouchOptions;
+use super::object::{Followed, ObjectExample, ObjectTracker, Open, Votes, add_votes, strongest};
 use super::region::Region;
-use super::taxel::{TAXEL_FEATURE_COUNT, TaxelCourse};
 use crate::estimator::is_trained;
 use crate::trial::TrialError;
 
@@ -22,9 +20,8 @@ const EVERY: usize = 10;
 /// A taxel in contact in one frame.
 #[derive(Clone, Debug)]
 pub(super) struct TaxelExample {
-    pub(super) features: [f64; TAXEL_FEATURE_COUNT],
-    /// Whether an object presses on it.
-    pub(super) is_touched: bool,
+    /// The row for the network that tells touches from spurious readings: its class is 1 if an object presses on the taxel.
+    pub(super) row: Row<TAXEL_FEATURE_COUNT>,
     /// Whether the index of the frame is a multiple of [`EVERY`]. These rows are an unbiased sample of all frames.
     pub(super) is_regular: bool,
 }
@@ -37,13 +34,6 @@ pub(super) struct RegionExample {
     /// Number of its taxels that an object presses on.
     pub(super) touched: usize,
     pub(super) is_regular: bool,
-}
-
-impl TaxelExample {
-    /// The row for the network that tells touches from spurious readings.
-    pub(super) fn row(&self) -> Row<TAXEL_FEATURE_COUNT> {
-        Row { features: self.features, class: usize::from(self.is_touched), weight: 1.0 }
-    }
 }
 
 impl RegionExample {
@@ -67,7 +57,7 @@ impl Examples {
     /// rows.
     pub(super) fn of(recording: &Recording, options: &TouchOptions) -> Result<Self, TrialError> {
         let mut patches = SkinTracker::of_patches(&recording.layout, options)?;
-        let (mut tracker, mut objects) = (ObjectTracker::default(), ObjectExamples::default());
+        let (mut tracker, mut objects) = (ObjectTracker::default(), Followed::<Open>::default());
         let mut examples = Examples::default();
         for (index, frame) in recording.frames.iter().enumerate() {
             for patch in &mut patches {
@@ -75,9 +65,9 @@ impl Examples {
                 examples.add(patch, index, recording);
             }
             tracker.update(&patches, frame.time_s);
-            objects.update(&patches, &tracker, index, recording);
+            objects.learn(&patches, &tracker, index);
         }
-        examples.objects = objects.finish(recording);
+        examples.objects = objects.examples(recording);
         Ok(examples)
     }
 
@@ -102,11 +92,9 @@ impl Examples {
                 if (is_regular || EARLY_SAMPLES.contains(&tracker.samples(taxel)))
                     && let Some(values) = tracker.taxel_values(taxel, region)
                 {
-                    self.taxels.push(TaxelExample {
-                        features: compress(values, &TaxelCourse::KNEES),
-                        is_touched: tracker.image.is_touched(taxel),
-                        is_regular,
-                    });
+                    let features = compress(values, &TaxelCourse::KNEES);
+                    let class = usize::from(tracker.image.is_touched(taxel));
+                    self.taxels.push(TaxelExample { row: Row { features, class, weight: 1.0 }, is_regular });
                 }
             }
         }
@@ -116,12 +104,7 @@ impl Examples {
 /// Ground truth: the category of the object whose taxels have most of a region's force; `None` if nothing presses on
 /// the region.
 fn truth(tracker: &SkinTracker, region: &Region, recording: &Recording) -> Option<String> {
-    let image = &tracker.image;
-    let mut forces = Votes::new();
-    for &taxel in tracker.taxels(region) {
-        if let Some(object) = image.object(taxel).filter(|_| image.is_touched(taxel)) {
-            *forces.entry(object).or_default() += image.sensed_force_n(taxel);
-        }
-    }
-    category_of(&forces, recording).map(|category| category.name().to_owned())
+    let mut votes = Votes::new();
+    add_votes(&mut votes, tracker, region);
+    strongest(&votes, recording).map(|(.., category)| category.name().to_owned())
 }

@@ -6,10 +6,11 @@ use rayon::prelude::*;
 
 use super::decision::TouchDecision;
 use super::example::Examples;
-use super::held_out::{HeldOut, Judged, category_network, lapses, nothing_above, sharpness, touched_network};
+use super::held_out::{
+    Judged, category_network, check_share, judged, lapses, largest_limit, nothing_above, sharpness, touched_network,
+};
 use super::model::{Calibrated, TOUCH_FORMAT, TouchModel};
-use super::object::{FittedObjects, ObjectExample, fit_objects};
-use super::risk;
+use super::object::fit_objects;
 use super::training_rows::{FOLDS, TouchExamples};
 use crate::error::ModelError;
 use crate::provenance::Provenance;
@@ -28,7 +29,7 @@ impl TouchExamples {
     /// and [`ModelError::FewReaches`] for one that needs more reaches.
     pub fn fit(&self, limit_wrong: Option<f64>) -> Result<TouchModel, ModelError> {
         let trials = self.reaches.len();
-        limit_wrong.map_or(Ok(()), |share| risk::check(share, trials))?;
+        limit_wrong.map_or(Ok(()), |share| check_share(share, trials))?;
         if trials < FOLDS {
             return Err(ModelError::Mismatch {
                 found: if trials == 1 { "1 reach to fit to".into() } else { "no reaches to fit to".into() },
@@ -52,10 +53,9 @@ impl TouchExamples {
                 ),
             });
         }
-        let held_out: Vec<HeldOut> =
-            (0..FOLDS).into_par_iter().map(|fold| HeldOut::of(self, &folds, fold, &categories)).collect();
-        let taxels: Vec<&Judged> = held_out.iter().flat_map(|fold| &fold.taxels).collect();
-        let regions: Vec<&Judged> = held_out.iter().flat_map(|fold| &fold.regions).collect();
+        let held_out: Vec<_> = (0..FOLDS).into_par_iter().map(|fold| judged(self, &folds, fold, &categories)).collect();
+        let taxels: Vec<&Judged> = held_out.iter().flat_map(|(taxels, _)| taxels).collect();
+        let regions: Vec<&Judged> = held_out.iter().flat_map(|(_, regions)| regions).collect();
         // Rows of regions are not taken in every frame, so short touches may leave none.
         if regions.is_empty() {
             return Err(ModelError::NoCategories { trials });
@@ -67,11 +67,11 @@ impl TouchExamples {
         let mut decision =
             TouchDecision { nothing_above: nothing_above(&taxels, touched.sharpness), ..TouchDecision::default() };
         if let Some(share) = limit_wrong {
-            decision.cost_of_uncertain = risk::largest(share, trials, lapses(&regions, category.sharpness));
+            decision.cost_of_uncertain = largest_limit(share, trials, lapses(&regions, category.sharpness));
         }
-        let [known, auxiliary] = [&self.reaches, &self.auxiliary].map(|reaches| objects(reaches));
-        let FittedObjects { categories: of_objects, unknown, stiffness } =
-            fit_objects(&known, &auxiliary, &categories)?;
+        let [known, auxiliary] = [&self.reaches, &self.auxiliary]
+            .map(|reaches| reaches.iter().map(|reach| reach.objects.as_slice()).collect::<Vec<_>>());
+        let (of_objects, unknown, stiffness) = fit_objects(&known, &auxiliary, &categories)?;
         Ok(TouchModel {
             format: TOUCH_FORMAT.into(),
             options: self.options.clone(),
@@ -85,9 +85,4 @@ impl TouchExamples {
             provenance: Provenance::default(),
         })
     }
-}
-
-/// The objects of each reach.
-fn objects(reaches: &[Arc<Examples>]) -> Vec<&[ObjectExample]> {
-    reaches.iter().map(|reach| reach.objects.as_slice()).collect()
 }

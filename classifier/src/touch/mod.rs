@@ -12,7 +12,7 @@
 //! | step | where |
 //! |---|---|
 //! | taxels in contact form regions, followed from frame to frame | [`Region`], [`SkinTracker`] |
-//! | the course of a contact becomes features | [`REGION_FEATURES`], [`TAXEL_FEATURES`] |
+//! | the course of a contact becomes features | [`REGION_FEATURES`], [`TaxelCourse::NAMES`] |
 //! | contacts of one place are one object; unlike what is known, it is unknown | [`ObjectTracker`], [`UnknownObjects`] |
 //! | networks are fitted to recordings with ground truth, and calibrated | [`TouchExamples`] |
 //! | frames become verdicts | [`TouchClassifier`] |
@@ -29,25 +29,20 @@ mod model;
 mod network;
 mod object;
 mod online;
-mod options;
 mod region;
-mod risk;
-mod taxel;
 mod training_rows;
 
 pub use contact_history::{Course, Measure, REGION_FEATURE_COUNT, REGION_FEATURES};
 pub use decision::{Touch, TouchDecision};
-pub use frame::SkinTracker;
+pub use frame::{SkinTracker, TAXEL_FEATURE_COUNT, TaxelCourse, TouchOptions};
 pub use model::{TOUCH_FORMAT, TouchModel};
+pub(crate) use object::{Followed, Votes, strongest, true_stiffness_n_per_m};
 pub use object::{
     Mobility, OBJECT_FEATURE_COUNT, ObjectCategories, ObjectCourse, ObjectTracker, Stiffness, StiffnessTrees,
     TouchObject, UnknownObjects,
 };
-pub(crate) use object::{Votes, category_of, count_votes, strongest, true_stiffness_n_per_m};
 pub use online::{ObjectReport, ObjectTouch, RegionTouch, TaxelTouch, TouchClassifier};
-pub use options::TouchOptions;
 pub use region::Region;
-pub use taxel::{TAXEL_FEATURE_COUNT, TAXEL_FEATURES, TaxelCourse};
 pub use training_rows::{TouchExamples, TouchRows};
 
 #[cfg(test)]

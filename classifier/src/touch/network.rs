@@ -98,12 +98,15 @@ impl Network {
     }
 
     fn standardized<const INPUTS: usize>(&self, features: &[f64; INPUTS]) -> [f64; INPUTS] {
-        let mut inputs = [0.0; INPUTS];
-        let fitted = self.mean.iter().zip(&self.scale);
-        for ((input, feature), (mean, scale)) in inputs.iter_mut().zip(features).zip(fitted) {
-            *input = ((feature - mean) * scale).clamp(-MAX_DEVIATIONS, MAX_DEVIATIONS);
-        }
-        inputs
+        std::array::from_fn(|index| {
+            ((features[index] - self.mean[index]) * self.scale[index]).clamp(-MAX_DEVIATIONS, MAX_DEVIATIONS)
+        })
+    }
+
+    /// The log-odds of each class for one row, up to a common constant.
+    pub fn scores<const INPUTS: usize>(&self, features: &[f64; INPUTS]) -> Vec<f64> {
+        let units = self.units(&self.standardized(features));
+        (0..self.output.len()).map(|class| self.score(&units, class)).collect()
     }
 
     /// Fits a network to rows by stochastic gradient descent. The result depends only on the rows and their order.
@@ -201,8 +204,7 @@ impl Descent {
     #[inline(always)]
     fn add<const INPUTS: usize>(&mut self, network: &Network, inputs: &[f64; INPUTS], class: usize, weight: f64) {
         let units = network.units(inputs);
-        let classes = network.output.len();
-        let mut errors: Vec<f64> = (0..classes).map(|class| network.score(&units, class)).collect();
+        let mut errors: Vec<f64> = (0..network.output.len()).map(|class| network.score(&units, class)).collect();
         softmax(&mut errors);
         errors[class] -= 1.0;
         let mut back = [0.0; HIDDEN];

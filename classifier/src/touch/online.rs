@@ -1,5 +1,6 @@
 //! Verdicts frame by frame.
 
+use std::iter;
 use std::sync::Arc;
 
 use serde::Serialize;
@@ -8,11 +9,11 @@ use underbrush_recording::{Frame, SkinLayout, math};
 use super::batch_scores::FeatureRows;
 use super::contact_history::{Course, REGION_FEATURE_COUNT};
 use super::decision::Touch;
-use super::frame::SkinTracker;
+use super::frame::{SkinTracker, TAXEL_FEATURE_COUNT, TaxelCourse};
 use super::model::TouchModel;
 use super::network::softmax;
 use super::object::{Mobility, OBJECT_FEATURE_COUNT, ObjectTracker, Stiffness, TouchObject, stage};
-use super::taxel::{TAXEL_FEATURE_COUNT, TaxelCourse};
+use crate::frequency::largest;
 use crate::trial::TrialError;
 
 /// What touches a taxel in contact.
@@ -234,8 +235,7 @@ impl TouchClassifier {
             let weight_n = self.weights_n[index].max(f64::MIN_POSITIVE);
             let scores =
                 || score(&self.evidence[places.clone()], weight_n, &self.by_trees[places.clone()], &self.model);
-            let best =
-                scores().enumerate().fold((0, f64::NEG_INFINITY), |best, own| if own.1 > best.1 { own } else { best });
+            let best = largest(scores().enumerate()).unwrap_or((0, 0.0));
             let others = scores().map(|score| math::exp(score - best.1)).sum::<f64>();
             own.touch = self.model.decision.of(best.0, 1.0 / others, own.share_beyond, own.samples);
         }
@@ -257,35 +257,27 @@ impl TouchClassifier {
 
     /// Makes the lists of objects those of the tracker, which forgets some and appends new ones.
     fn keep_objects(&mut self, count: usize) {
-        let mut kept = 0;
-        for index in 0..self.objects.len() {
-            let is_kept = self.tracker.objects.get(kept).is_some_and(|own| own.number == self.objects[index].object);
-            if is_kept {
-                self.objects[kept] = self.objects[index];
-                self.weights_n[kept] = self.weights_n[index];
+        for ended in &self.tracker.ended {
+            if let Some(index) = self.objects.iter().position(|own| own.object == ended.number) {
+                self.objects.remove(index);
+                self.weights_n.remove(index);
                 for own in [&mut self.evidence, &mut self.by_trees] {
-                    own.copy_within(index * count..(index + 1) * count, kept * count);
+                    own.drain(index * count..(index + 1) * count);
                 }
-                kept += 1;
             }
         }
-        self.objects.truncate(kept);
-        for object in &self.tracker.objects[kept..] {
-            let (object, touch) = (object.number, Touch::Uncertain);
+        for object in &self.tracker.objects[self.objects.len()..] {
             self.objects.push(ObjectTouch {
-                object,
+                object: object.number,
                 samples: 0,
                 frames: 0,
                 share_beyond: 1.0,
                 learnt_stiffness: None,
-                touch,
+                touch: Touch::Uncertain,
             });
-        }
-        self.weights_n.truncate(kept);
-        self.weights_n.resize(self.objects.len(), 0.0);
-        for (own, start) in [(&mut self.evidence, 0.0), (&mut self.by_trees, math::ln(1.0 / count as f64))] {
-            own.truncate(kept * count);
-            own.resize(self.objects.len() * count, start);
+            self.weights_n.push(0.0);
+            self.evidence.extend(iter::repeat_n(0.0, count));
+            self.by_trees.extend(iter::repeat_n(math::ln(1.0 / count as f64), count));
         }
     }
 

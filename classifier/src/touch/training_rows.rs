@@ -8,7 +8,7 @@ use serde::Serialize;
 use underbrush_recording::Recording;
 
 use super::example::Examples;
-use super::options::TouchOptions;
+use super::frame::TouchOptions;
 use crate::frequency::frequencies;
 use crate::trial::TrialError;
 
@@ -89,7 +89,7 @@ impl TouchExamples {
         let objects = self.reaches.iter().chain(&self.auxiliary).flat_map(|reach| &reach.objects);
         let objects = frequencies(objects.map(|object| object.category));
         let taxels = self.reaches.iter().flat_map(|reach| &reach.taxels);
-        let touched_taxels = taxels.clone().filter(|taxel| taxel.is_touched).count();
+        let touched_taxels = taxels.clone().filter(|taxel| taxel.row.class == 1).count();
         TouchRows {
             reaches: self.reaches.len(),
             touched_taxels,
@@ -118,15 +118,8 @@ impl TouchExamples {
     /// Whether something known touches the skin in a reach of every fold. Otherwise networks would be fitted to
     /// nothing.
     pub(super) fn fill(&self, folds: &[usize]) -> bool {
-        let has_regions = |fold: usize| self.of_fold(folds, fold, true).iter().any(|reach| !reach.regions.is_empty());
-        (0..FOLDS).all(has_regions)
-    }
-
-    /// The reaches of a fold, or all others.
-    pub(super) fn of_fold(&self, folds: &[usize], fold: usize, is_own: bool) -> Vec<&Examples> {
-        let reaches = self.reaches.iter().zip(folds);
-        let chosen = reaches.filter(|(_, own)| (**own == fold) == is_own);
-        chosen.map(|(reach, _)| reach.as_ref()).collect()
+        let filled = self.reaches.iter().zip(folds).filter(|(reach, _)| !reach.regions.is_empty());
+        filled.map(|(_, fold)| fold).collect::<BTreeSet<_>>().len() == FOLDS
     }
 }
 

@@ -3,9 +3,7 @@
 use std::path::PathBuf;
 
 use underbrush_classifier::evaluate::EvaluateError;
-use underbrush_classifier::evaluate::touch_folds::{
-    ReadReaches, check_folds, cross_validate_touch, judge_touch, touch_examples,
-};
+use underbrush_classifier::evaluate::touch_folds::{cross_validate_touch, judge_touch, touch_examples};
 use underbrush_classifier::touch::{TouchExamples, TouchModel, TouchOptions};
 
 use super::decision::TouchDecisionArguments;
@@ -52,11 +50,8 @@ pub fn evaluate(
                 EvaluateError::FoldCount { .. } => error.into(),
                 error => train::about(error.into(), paths),
             };
-            // This is checked before the reaches are read.
-            check_folds(count, reaches.count()).map_err(refused)?;
-            let examples = touch_examples(&reaches, options.clone())?;
             let fit = |examples: &TouchExamples| fitted(examples, &options, paths);
-            cross_validate_touch(count, &examples, &reaches, fit, refused)?
+            cross_validate_touch(count, options.clone(), &reaches, fit, refused)?
         }
     };
     output::result(json, &report, || text::evaluation(&report))

@@ -89,9 +89,6 @@ pub struct ObjectCourse {
     slopes: [[f64; 2]; 2],
     /// Sums of force, press, their squares and their product.
     moments: [f64; 5],
-    count: f64,
-    press_m: f64,
-    press_at_largest_m: f64,
     work_j: [f64; 2],
     steady_press_m: f64,
     steady: f64,
@@ -99,10 +96,8 @@ pub struct ObjectCourse {
     pub(super) contacts: f64,
     most_contacts: f64,
     span_m: f64,
-    first_world: DVec3,
     farthest_m: f64,
     impulse_ns: f64,
-    last_s: f64,
     circle: Fit,
     /// Every sample of every contact with the same weight: all of them, and those up to the largest force.
     path: Fit,
@@ -154,13 +149,11 @@ impl ObjectCourse {
     }
 
     pub(super) fn push(&mut self, frame: &ObjectMeasure, time_s: f64, judged_n: f64) {
-        let (before, now) = (self.all.now, frame.total());
+        let (before, last_s, largest_n, now) = (self.all.now, self.all.last_s, self.all.largest_force_n, frame.total());
         let force_n = now.force_n;
-        if self.count == 0.0 {
-            self.first_world = now.center_world;
-        } else {
+        self.all.push(&now, time_s);
+        if self.frames() > 1 {
             let step_n = force_n - before.force_n;
-            self.press_m += now.press_m;
             let [squares, products] = &mut self.slopes[usize::from(step_n < 0.0)];
             *squares += now.press_m * now.press_m;
             *products += now.press_m * step_n;
@@ -169,11 +162,9 @@ impl ObjectCourse {
                 self.steady_press_m += now.press_m;
                 self.steady += 1.0;
             }
-            self.impulse_ns += 0.5 * (force_n + before.force_n) * (time_s - self.last_s).clamp(0.0, 0.1);
+            self.impulse_ns += 0.5 * (force_n + before.force_n) * (time_s - last_s).clamp(0.0, 0.1);
         }
-        self.last_s = time_s;
-        self.count += 1.0;
-        let press_m = self.press_m;
+        let press_m = self.all.press_m;
         for (sum, value) in
             self.moments.iter_mut().zip([force_n, press_m, force_n * force_n, press_m * press_m, force_n * press_m])
         {
@@ -181,8 +172,7 @@ impl ObjectCourse {
         }
         self.path.merge(&frame.path);
         self.place.push(now.center_world.truncate(), now.normal_world.truncate(), force_n);
-        if force_n > self.all.largest_force_n {
-            self.press_at_largest_m = press_m;
+        if force_n > largest_n {
             self.path_to_largest = self.path;
             self.place_at_largest = self.place;
         }
@@ -197,10 +187,9 @@ impl ObjectCourse {
         self.samples += usize::from(force_n >= judged_n);
         self.most_contacts = self.most_contacts.max(frame.contacts);
         self.span_m = self.span_m.max(frame.span_m);
-        self.farthest_m = self.farthest_m.max(now.center_world.distance(self.first_world));
+        self.farthest_m = self.farthest_m.max(now.center_world.distance(self.all.first_world));
         self.circle.push(now.center_world.truncate(), now.normal_world.truncate(), force_n, force_n);
         self.response.push(time_s, force_n, now.press_m, now.slide_m);
-        self.all.push(&now, time_s);
         self.strongest = frame.strongest;
     }
 
@@ -224,13 +213,13 @@ impl ObjectCourse {
         fn values(&self) {
             let square = MOTION_KNEE_M * MOTION_KNEE_M;
             let slope = |[squares, products]: [f64; 2]| products / (squares + square);
-            let count = self.count.max(1.0);
+            let count = self.frames().max(1) as f64;
             let [force, press, force_squares, press_squares, product] = self.moments.map(|sum| sum / count);
             let force_variance = (force_squares - force * force).max(1e-4);
             let compliance = (product - force * press) / force_variance;
             let left = press_squares - press * press - compliance * compliance * force_variance;
             let error = (left.max(0.0) / (force_variance * count)).sqrt();
-            let circle = self.circle.found();
+            let [radius_m, compliance_m_per_n, residual_m, turn, path_m] = self.circle.found();
             ("slope of force over press while loading", STIFFNESS_KNEE_N_PER_M, slope(self.slopes[0])),
             ("slope of force over press while unloading", STIFFNESS_KNEE_N_PER_M, slope(self.slopes[1])),
             ("compliance", COMPLIANCE_KNEE_M_PER_N, compliance),
@@ -240,17 +229,17 @@ impl ObjectCourse {
             ("share of the work given back", PLAIN, self.work_j[1] / (self.work_j[0] + WORK_KNEE_J)),
             ("press at steady force", MOTION_KNEE_M, self.steady_press_m),
             ("share of the time at steady force", PLAIN, self.steady / count),
-            ("press since the largest force", MOTION_KNEE_M, self.press_m - self.press_at_largest_m),
+            ("press since the largest force", MOTION_KNEE_M, self.all.press_m - self.all.press_at_largest_m),
             ("contacts so far", COUNT_KNEE, self.contacts),
             ("most contacts at once", COUNT_KNEE, self.most_contacts),
             ("largest distance between contacts", MOTION_KNEE_M, self.span_m),
             ("largest distance in the world", MOTION_KNEE_M, self.farthest_m),
             ("impulse", 0.1, self.impulse_ns),
-            ("radius", MOTION_KNEE_M, circle.radius_m),
-            ("compliance of the circle", COMPLIANCE_KNEE_M_PER_N, circle.compliance_m_per_n),
-            ("residual of the circle", MOTION_KNEE_M, circle.residual_m),
-            ("turn of the normal", PLAIN, circle.turn),
-            ("path of the contact", MOTION_KNEE_M, circle.path_m),
+            ("radius", MOTION_KNEE_M, radius_m),
+            ("compliance of the circle", COMPLIANCE_KNEE_M_PER_N, compliance_m_per_n),
+            ("residual of the circle", MOTION_KNEE_M, residual_m),
+            ("turn of the normal", PLAIN, turn),
+            ("path of the contact", MOTION_KNEE_M, path_m),
         }
     }
 }

@@ -9,35 +9,12 @@ use glam::DVec2;
 /// and C.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Fit {
-    weight: f64,
+    /// Sum of the weights.
+    pub(super) weight: f64,
     /// Weighted sums of n, F n and c.
     sums: [DVec2; 3],
     /// Weighted sums of the products of n, F n and c with each other: nn, n·Fn, FnFn, cn, c·Fn, cc.
     products: [f64; 6],
-}
-
-/// Weighted central moments of a path.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Moments {
-    /// Sum of the weights.
-    pub(super) weight: f64,
-    /// Means of the products nn, n·Fn, FnFn, cn, c·Fn, cc less the products of the means.
-    pub(super) values: [f64; 6],
-}
-
-/// What the fit found.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Found {
-    /// m.
-    pub(super) radius_m: f64,
-    /// m/N.
-    pub(super) compliance_m_per_n: f64,
-    /// Root mean square distance from the path, m.
-    pub(super) residual_m: f64,
-    /// Standard deviation of the normals.
-    pub(super) turn: f64,
-    /// Standard deviation of the place of the contact, m.
-    pub(super) path_m: f64,
 }
 
 /// Added to the variances of n and of F n, so that a path that hardly turns gives a small radius. Choice: half a hundredth
@@ -71,35 +48,32 @@ impl Fit {
         self.products.iter_mut().zip(&other.products).for_each(|(sum, other)| *sum += other);
     }
 
-    /// The central moments; `None` without samples.
-    pub(super) fn moments(&self) -> Option<Moments> {
+    /// The weighted central moments: the means of the products nn, n·Fn, FnFn, cn, c·Fn, cc less the products of the means;
+    /// `None` without samples.
+    pub(super) fn moments(&self) -> Option<[f64; 6]> {
         let [n, p, c] = self.sums.map(|sum| sum / self.weight);
         let means = [n.dot(n), n.dot(p), p.dot(p), c.dot(n), c.dot(p), c.dot(c)];
-        let values = std::array::from_fn(|index| self.products[index] / self.weight - means[index]);
-        (self.weight > 0.0).then_some(Moments { weight: self.weight, values })
+        (self.weight > 0.0).then(|| std::array::from_fn(|index| self.products[index] / self.weight - means[index]))
     }
 
-    pub(super) fn found(&self) -> Found {
-        let Some(Moments { values: [nn, np, pp, cn, cp, cc], .. }) = self.moments() else {
-            return Found::default();
-        };
+    /// What the fit found: radius, m; compliance, m/N; root mean square distance from the path, m; standard deviation of the
+    /// normals; and that of the place of the contact, m. All are 0 without samples.
+    pub(super) fn found(&self) -> [f64; 5] {
+        let Some(moments) = self.moments() else { return [0.0; 5] };
+        let [nn, np, pp, cn, cp, cc] = moments;
         let (nn_ridged, pp_ridged) = (nn + RIDGE[0], pp + RIDGE[1]);
         // The normal equations of r and C; their determinant is positive because of the ridge.
         let determinant = nn_ridged * pp_ridged - np * np;
         let radius_m = (-cn * pp_ridged + np * cp) / determinant;
         let compliance_m_per_n = (cp * nn_ridged - np * cn) / determinant;
-        let residual = cc
-            + radius_m * radius_m * nn
-            + compliance_m_per_n * compliance_m_per_n * pp
-            + 2.0 * (radius_m * cn - compliance_m_per_n * cp - radius_m * compliance_m_per_n * np);
-        Found {
-            radius_m,
-            compliance_m_per_n,
-            residual_m: residual.max(0.0).sqrt(),
-            turn: nn.max(0.0).sqrt(),
-            path_m: cc.max(0.0).sqrt(),
-        }
+        let residual_m = residual_m2(moments, radius_m, compliance_m_per_n).sqrt();
+        [radius_m, compliance_m_per_n, residual_m, nn.max(0.0).sqrt(), cc.max(0.0).sqrt()]
     }
+}
+
+/// The mean square distance of a path with these moments from that of an object with this radius and compliance, m².
+pub(super) fn residual_m2([nn, np, pp, cn, cp, cc]: [f64; 6], r: f64, c: f64) -> f64 {
+    (cc + r * r * nn + c * c * pp + 2.0 * (r * cn - c * cp - r * c * np)).max(0.0)
 }
 
 #[cfg(test)]
@@ -118,9 +92,9 @@ mod tests {
             let place = center - radius_m * normal + compliance * force_n * normal;
             fit.push(place, normal, force_n, 1.0);
         }
-        let found = fit.found();
-        assert!((found.radius_m / radius_m - 1.0).abs() < 0.03, "{found:?}");
-        assert!((found.compliance_m_per_n / compliance - 1.0).abs() < 0.1, "{found:?}");
-        assert!(found.residual_m < 1e-3 && found.path_m > 0.02, "{found:?}");
+        let [found_m, found_m_per_n, residual_m, _, path_m] = fit.found();
+        assert!((found_m / radius_m - 1.0).abs() < 0.03, "{found_m} m");
+        assert!((found_m_per_n / compliance - 1.0).abs() < 0.1, "{found_m_per_n} m/N");
+        assert!(residual_m < 1e-3 && path_m > 0.02, "{residual_m} m, {path_m} m");
     }
 }

@@ -8,7 +8,7 @@ use glam::DVec2;
 use serde::Serialize;
 use underbrush_recording::math;
 
-use super::fit::Fit;
+use super::fit::{Fit, residual_m2};
 
 /// Compliances that are compared, m/N: evenly spaced on a logarithmic scale.
 const COMPLIANCES: usize = 61;
@@ -54,8 +54,8 @@ impl Stiffness {
     pub(super) fn of(path: &Fit, place: &Place) -> Option<Self> {
         let moments = path.moments()?;
         let changes = place.changes();
-        let [nn, np, pp, cn, cp, cc] = moments.values;
-        let count = (moments.weight / SAMPLES).max(1.0);
+        let [nn, np, _, cn, ..] = moments;
+        let count = (path.weight / SAMPLES).max(1.0);
         let step = math::ln(MOST_M_PER_N / LEAST_M_PER_N) / (COMPLIANCES - 1) as f64;
         let compliance = |index: usize| LEAST_M_PER_N * math::exp(step * index as f64);
         let mut noise_m2 = PLACE_M * PLACE_M;
@@ -67,9 +67,8 @@ impl Stiffness {
             for (index, likelihood) in likelihoods.iter_mut().enumerate() {
                 let c = compliance(index);
                 let radius_m = (c * np - cn + ridge * RADIUS_M.0) / (nn + ridge);
-                let left =
-                    cc + radius_m * radius_m * nn + c * c * pp + 2.0 * (radius_m * cn - c * cp - radius_m * c * np);
-                least_m2 = least_m2.min(left.max(0.0));
+                let left_m2 = residual_m2(moments, radius_m, c);
+                least_m2 = least_m2.min(left_m2);
                 let unlikely = (radius_m - RADIUS_M.0) / RADIUS_M.1;
                 let rare = math::ln(c / PRIOR.0) / PRIOR.1;
                 let off = changes.map_or(0.0, |[center, normal, force]| {
@@ -78,8 +77,8 @@ impl Stiffness {
                     (moved - c * force).length_squared() / (DISPLACEMENT.0 * DISPLACEMENT.0 + error_m * error_m)
                 });
                 // Two coordinates of each place.
-                *likelihood = -count * math::ln(left.max(0.0) + PLACE_M * PLACE_M)
-                    - 0.5 * (unlikely * unlikely + rare * rare + off);
+                *likelihood =
+                    -count * math::ln(left_m2 + PLACE_M * PLACE_M) - 0.5 * (unlikely * unlikely + rare * rare + off);
             }
             noise_m2 = least_m2 + PLACE_M * PLACE_M;
         }

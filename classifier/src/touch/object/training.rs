@@ -1,18 +1,17 @@
 //! Objects of recordings with ground truth, and what is fitted to them.
 
-use std::collections::BTreeMap;
-
 use rayon::prelude::*;
 use underbrush_recording::{Category, Recording};
 
 use super::category::ObjectCategories;
 use super::course::OBJECT_FEATURE_COUNT;
-use super::stiffness::{Pressed, StiffnessTrees, true_stiffness_n_per_m};
+use super::stiffness::{Pressed, StiffnessTrees};
 use super::tracker::{ObjectTracker, TouchObject};
+use super::truth::{Followed, Votes, strongest, true_stiffness_n_per_m};
 use super::unknown::{self, Calibration, FAMILIES, Family, UnknownObjects};
 use crate::boosted::{Boosted, Loss, Row};
 use crate::error::ModelError;
-use crate::frequency::{frequencies, largest};
+use crate::frequency::frequencies;
 use crate::touch::frame::SkinTracker;
 
 /// An object gives a row after each of these numbers of samples, and at its end.
@@ -37,81 +36,60 @@ pub(in crate::touch) struct ObjectExample {
     pressed: Option<Pressed>,
 }
 
-/// An object that has not ended.
+/// An object while its recording is followed.
 #[derive(Default)]
-struct Open {
-    votes: Votes,
+pub(in crate::touch) struct Open {
     example: ObjectExample,
     /// The frame in which its force was largest, and its features then.
     peak: Option<(usize, [f32; OBJECT_FEATURE_COUNT])>,
 }
 
-/// Collects the objects of a recording.
-#[derive(Default)]
-pub(in crate::touch) struct ObjectExamples {
-    /// By number.
-    open: BTreeMap<u64, Open>,
-    closed: Vec<ObjectExample>,
-}
-
-/// The sensed force of each true object, summed over frames, N.
-pub(crate) type Votes = BTreeMap<u16, f64>;
-
-impl ObjectExamples {
-    /// Takes in the frame that the trackers have followed last.
-    pub(in crate::touch) fn update(
-        &mut self,
-        patches: &[SkinTracker],
-        objects: &ObjectTracker,
-        frame: usize,
-        recording: &Recording,
-    ) {
-        let ended = objects.ended.iter().filter_map(|object| self.open.remove(&object.number));
-        self.closed.extend(ended.filter_map(|open| open.close(recording)));
+impl Followed<Open> {
+    /// Takes in the frame with this index, which the trackers have followed last.
+    pub(in crate::touch) fn learn(&mut self, patches: &[SkinTracker], objects: &ObjectTracker, frame: usize) {
+        self.update(patches, objects);
         for object in objects.objects.iter().filter(|object| object.is_touching) {
-            let open = self.open.entry(object.number).or_default();
-            if object.course.is_at_largest_force() {
-                open.peak = Some((frame, object.course.features()));
-            }
-            let example = &mut open.example;
-            if EARLY_FRAMES.contains(&object.course.frames()) {
-                example.early.push(object.course.features());
-            }
-            if object.is_judged() {
-                // The last row stands for the object as it is now, until it has its own row.
-                let samples = object.course.samples();
-                if example.rows.last().is_some_and(|(own, _)| !SAMPLES.contains(own)) {
-                    example.rows.pop();
-                }
-                if example.rows.last().is_none_or(|(own, _)| *own != samples) {
-                    example.rows.push((samples, object.course.features()));
-                }
+            if let Some((open, _)) = self.of(object.number) {
+                open.update(object, frame);
             }
         }
-        count_votes(patches, objects, |object, truth, force_n| {
-            if let Some(open) = self.open.get_mut(&object.number) {
-                *open.votes.entry(truth).or_default() += force_n;
-            }
-        });
     }
 
     /// All objects that were felt well enough, once the recording is over.
-    pub(in crate::touch) fn finish(mut self, recording: &Recording) -> Vec<ObjectExample> {
-        self.closed.extend(self.open.into_values().filter_map(|open| open.close(recording)));
-        self.closed
+    pub(in crate::touch) fn examples(self, recording: &Recording) -> Vec<ObjectExample> {
+        self.finish().filter_map(|(open, votes)| open.close(&votes, recording)).collect()
     }
 }
 
 impl Open {
+    fn update(&mut self, object: &TouchObject, frame: usize) {
+        if object.course.is_at_largest_force() {
+            self.peak = Some((frame, object.course.features()));
+        }
+        let example = &mut self.example;
+        if EARLY_FRAMES.contains(&object.course.frames()) {
+            example.early.push(object.course.features());
+        }
+        if object.is_judged() {
+            // The last row stands for the object as it is now, until it has its own row.
+            let samples = object.course.samples();
+            if example.rows.last().is_some_and(|(own, _)| !SAMPLES.contains(own)) {
+                example.rows.pop();
+            }
+            if example.rows.last().is_none_or(|(own, _)| *own != samples) {
+                example.rows.push((samples, object.course.features()));
+            }
+        }
+    }
+
     /// The object, if it was felt well enough and something truly pressed.
-    fn close(self, recording: &Recording) -> Option<ObjectExample> {
-        let (object, _) = strongest(&self.votes).filter(|_| !self.example.rows.is_empty())?;
-        let category = recording.objects.get(usize::from(object))?.category.name();
+    fn close(self, votes: &Votes, recording: &Recording) -> Option<ObjectExample> {
+        let (object, _, category) = strongest(votes, recording).filter(|_| !self.example.rows.is_empty())?;
         let pressed = self.peak.and_then(|(frame, features)| {
             let stiffness_n_per_m = true_stiffness_n_per_m(recording, frame, object)?;
             Some(Pressed { features, stiffness_n_per_m })
         });
-        Some(ObjectExample { category, pressed, ..self.example })
+        Some(ObjectExample { category: category.name(), pressed, ..self.example })
     }
 }
 
@@ -127,43 +105,10 @@ impl ObjectExample {
     }
 }
 
-/// The true object that most of the force comes from, and this force, N.
-pub(crate) fn strongest(votes: &Votes) -> Option<(u16, f64)> {
-    largest(votes.iter().map(|(object, force_n)| (*object, *force_n)))
-}
-
-/// The category of the true object that most of the force comes from.
-pub(crate) fn category_of(votes: &Votes, recording: &Recording) -> Option<Category> {
-    Some(recording.objects.get(usize::from(strongest(votes)?.0))?.category)
-}
-
-/// Calls `vote` with the object, the true object and the sensed force of each taxel that something presses on.
-pub(crate) fn count_votes(
-    patches: &[SkinTracker],
-    objects: &ObjectTracker,
-    mut vote: impl FnMut(&TouchObject, u16, f64),
-) {
-    let regions = patches.iter().flat_map(|tracker| tracker.regions().iter().map(move |region| (tracker, region)));
-    for ((tracker, region), object) in regions.zip(&objects.of_region) {
-        let Some(object) = object.and_then(|index| objects.objects.get(index)) else { continue };
-        for &taxel in tracker.taxels(region) {
-            let image = &tracker.image;
-            if let Some(truth) = image.object(taxel).filter(|_| image.is_touched(taxel)) {
-                vote(object, truth, image.sensed_force_n(taxel));
-            }
-        }
-    }
-}
-
-/// What is fitted to objects.
-pub(in crate::touch) struct FittedObjects {
-    /// `None` if there are few objects.
-    pub(in crate::touch) categories: Option<ObjectCategories>,
-    /// `None` if the auxiliary sets are empty.
-    pub(in crate::touch) unknown: Option<UnknownObjects>,
-    /// `None` if the auxiliary sets are empty, or do not say where contacts and bodies were.
-    pub(in crate::touch) stiffness: Option<StiffnessTrees>,
-}
+/// What is fitted to objects: what tells categories apart, `None` if there are few objects; what finds unknown objects,
+/// `None` if the auxiliary sets are empty; and what estimates stiffness, `None` also if these sets do not say where contacts
+/// and bodies were.
+type FittedObjects = (Option<ObjectCategories>, Option<UnknownObjects>, Option<StiffnessTrees>);
 
 /// Fits to the objects of reaches of data sets and of auxiliary sets, for a model with these categories.
 pub(in crate::touch) fn fit_objects(
@@ -176,11 +121,7 @@ pub(in crate::touch) fn fit_objects(
     let unknown = if auxiliary.is_empty() { None } else { Some(fit_unknown(&objects, categories)?) };
     let all = objects.known.iter().map(|(.., own)| own).chain(objects.families.iter().map(|(_, own)| own));
     let pressed: Vec<_> = all.filter_map(|own| Some((own.category, own.pressed.as_ref()?))).collect();
-    Ok(FittedObjects {
-        categories: ObjectCategories::fit(&rows, categories.len()),
-        unknown,
-        stiffness: StiffnessTrees::fit(&pressed, categories),
-    })
+    Ok((ObjectCategories::fit(&rows, categories.len()), unknown, StiffnessTrees::fit(&pressed, categories)))
 }
 
 fn fit_unknown(objects: &Objects<'_>, categories: &[String]) -> Result<UnknownObjects, ModelError> {
@@ -203,7 +144,7 @@ fn fit_unknown(objects: &Objects<'_>, categories: &[String]) -> Result<UnknownOb
         return Err(ModelError::Mismatch { found, allowed });
     }
     let families: Vec<&str> = counts.keys().copied().collect();
-    let fit = |fold: Option<usize>| objects.fit(&families, categories, fold);
+    let fit = |fold: Option<usize>| objects.fit(&families, fold);
     let held_out: Vec<Vec<Family>> = (0..FOLDS).into_par_iter().map(|fold| fit(Some(fold))).collect();
     let calibrations = |stage: usize| {
         let scores = |category| objects.scores(category, stage, &held_out);
@@ -239,18 +180,15 @@ impl<'a> Objects<'a> {
     }
 
     /// Trees for each family, fitted to all parts but this one.
-    fn fit(&self, families: &[&str], categories: &[String], without: Option<usize>) -> Vec<Family> {
+    fn fit(&self, families: &[&str], without: Option<usize>) -> Vec<Family> {
         let known: Vec<_> = self.known.iter().filter(|(_, fold, _)| Some(*fold) != without).collect();
+        let counts = frequencies(known.iter().map(|(category, ..)| *category));
         let family = |name: &&str| {
             let own = self.families.iter().filter(|(fold, own)| own.category == *name && Some(*fold) != without);
             let family: Vec<&ObjectExample> = own.map(|(_, own)| *own).collect();
-            let mut count = vec![0.0; categories.len()];
-            known.iter().for_each(|(category, ..)| count[*category] += 1.0);
-            let categories = count.iter().filter(|count| **count > 0.0).count() as f64;
             // The known objects together count as much as the family, each category the same, each of its objects too.
-            let rows = known
-                .iter()
-                .flat_map(|(category, _, own)| own.judged_rows(false, 1.0 / (categories * count[*category])));
+            let weight = |category: usize| 1.0 / (counts.len() * counts[&category]) as f64;
+            let rows = known.iter().flat_map(|(category, _, own)| own.judged_rows(false, weight(*category)));
             let own_rows = family.iter().flat_map(|own| own.judged_rows(true, 1.0 / family.len() as f64));
             let rows: Vec<Row<'_>> = rows.chain(own_rows).collect();
             let trees = Boosted::fit(Loss::Logistic, &rows, OBJECT_FEATURE_COUNT);

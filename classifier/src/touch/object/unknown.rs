@@ -51,10 +51,9 @@ pub(super) struct Calibration {
 impl Calibration {
     /// From the scores of the held-out objects, by category, object and family.
     pub(super) fn of(scores: &[Vec<Vec<f64>>], families: usize) -> Vec<Self> {
-        let of_family = |own: &[Vec<f64>], family: usize| Shares::of(own.iter().map(|scores| scores[family]).collect());
-        let of_category = |own: &Vec<Vec<f64>>| Calibration {
-            families: (0..families).map(|family| of_family(own, family)).collect(),
-            all: Shares::of(Vec::new()),
+        let of_category = |own: &Vec<Vec<f64>>| {
+            let of_family = |family: usize| Shares::of(own.iter().map(|scores| scores[family]).collect());
+            Calibration { families: (0..families).map(of_family).collect(), all: Shares::of(Vec::new()) }
         };
         let mut calibrations: Vec<Calibration> = scores.iter().map(of_category).collect();
         for (category, own) in scores.iter().enumerate() {

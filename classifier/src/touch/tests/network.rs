@@ -17,8 +17,7 @@ fn a_network_learns_a_checkerboard() {
     let rows = checkerboard();
     let network = Network::fit(&rows, 2);
     let right = rows.iter().filter(|row| {
-        let mut scores = [0.0; 2];
-        network.scores(&row.features, &mut scores);
+        let scores = network.scores(&row.features);
         (scores[1] > scores[0]) == (row.class == 1)
     });
     let right = right.count();
@@ -44,11 +43,8 @@ fn weights_are_odds() {
         .collect();
     let network = Network::fit(&rows, 2);
     for second in [-1.0, 1.0] {
-        let mut scores = [0.0; 2];
-        network.scores(&[3.0, second], &mut scores);
-        let mut other = [0.0; 2];
-        network.scores(&[7.0, second], &mut other);
-        assert_eq!(scores, other);
+        let mut scores = network.scores(&[3.0, second]);
+        assert_eq!(scores, network.scores(&[7.0, second]));
         softmax(&mut scores);
         // The penalty pulls the constant a little towards even odds, and the last steps leave some noise.
         assert!((scores[0] - 0.75).abs() < 0.03, "{scores:?}");
@@ -84,8 +80,7 @@ fn rows_side_by_side_have_the_scores_of_one_row() {
             // Some rows are so far out that inputs are clamped.
             let features = row.features.map(|feature| feature * (1.0 + count as f64));
             some.push(&features);
-            let mut scores = [0.0; 2];
-            network.scores(&features, &mut scores);
+            let scores = network.scores(&features);
             for (score, described) in scores.iter().zip(described(&features)) {
                 // The sums have 24 terms in another order.
                 assert!((score - described).abs() < 1e-12 * (1.0 + described.abs()), "{score} {described}");

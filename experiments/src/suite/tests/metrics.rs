@@ -97,7 +97,7 @@ fn stream() -> Stream {
 #[test]
 fn metrics_are_what_they_say() {
     let (recording, stream) = (reach(), stream());
-    let object = |at_end: &str| JudgedObject { truth: "leaf".into(), at_end: at_end.into(), ..JudgedObject::new(1) };
+    let object = |at_end: &str| JudgedObject { truth: "leaf".into(), at_end: at_end.into(), ..JudgedObject::default() };
     let objects = ["unknown", "leaf", "uncertain", "leaf"].map(object);
     let measured = Measured { recording: &recording, goals: 4, stream: Some(&stream), objects: &objects };
     let expected = [
