@@ -75,7 +75,7 @@ impl Failure {
     /// What `--json` prints: one object with the key `error`, whose values are null if they are not known.
     pub fn json(&self) -> String {
         let input = self.input.as_ref();
-        let error = json!({
+        json!({ "error": {
             "kind": self.kind,
             "file": input.map(|input| input.file.display().to_string()),
             "line": input.and_then(|input| input.line),
@@ -84,8 +84,8 @@ impl Failure {
             "allowed": input.map(|input| &input.allowed),
             "remedy": input.map(|input| &input.remedy),
             "message": self.text,
-        });
-        json!({ "error": error }).to_string()
+        } })
+        .to_string()
     }
 
     /// The text to print, with the offending line of the file if it is known.

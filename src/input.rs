@@ -1,15 +1,20 @@
-//! Reading the input of a command: a data set, a recording or a table of trials.
+//! Reading the input of a command: data sets, recordings or a table of trials. Whole reaches are read one after the other, so that
+//! memory stays bounded.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use underbrush_classifier::evaluate::touch_folds::ReadReaches;
 use underbrush_experiments::contact_trials;
-use underbrush_recording::disk::{Dataset, is_folder, is_recording, is_there, read_recording, read_trials};
-use underbrush_recording::{InputError, Trial};
+use underbrush_recording::disk::{
+    Dataset, file_blake3, is_folder, is_recording, is_there, read_recording, read_trials,
+};
+use underbrush_recording::{InputError, Recording, Trial};
 use underbrush_sim::controller::ControllerKind;
 
-pub use crate::trial_arguments::TrialArguments;
-use crate::{Failure, Shown, output};
+use crate::options::TrialArguments;
+use crate::{Failure, Shown, output, progress};
 
 /// The only path in `paths`.
 ///
@@ -43,8 +48,7 @@ pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>
             let text = format!("{path}: no trial in this table has {samples} samples or more; {remedy}");
             return Err(Failure::usage(text));
         }
-        let patch = arguments.patch();
-        let patch = patch.map_or("the first patch".into(), |name| format!("patch {name}"));
+        let patch = arguments.patch.as_ref().map_or("the first patch".into(), |name| format!("patch {name}"));
         let found = format!("no contact on {patch} above {threshold_n} N with {samples} samples or more");
         let remedy = "lower --threshold-n or --min-samples, or generate more reaches";
         return Err(Failure::usage(format!("{path}: {found}; {remedy}")));
@@ -80,4 +84,80 @@ pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Fai
 /// Reads the name of a controller.
 pub fn controller() -> impl TypedValueParser<Value = ControllerKind> {
     PossibleValuesParser::new(ControllerKind::names()).try_map(|name| ControllerKind::from_name(&name))
+}
+
+/// The reaches of some data sets and recordings, in the order in which they are given.
+pub struct Reaches {
+    /// Each with its data set; a recording has none.
+    sources: Vec<(PathBuf, Option<Dataset>)>,
+}
+
+/// What commands that need whole frames accept.
+const WITH_FRAMES: &str = "data sets (folders) or recordings (.parquet), which hold whole frames";
+
+impl Reaches {
+    /// Finds the reaches of these files and folders.
+    ///
+    /// # Errors
+    /// If one is neither a data set nor a recording, or is given twice, as a copy, too: a reach would be in training and test at once.
+    pub fn open(paths: &[PathBuf]) -> Result<Self, Failure> {
+        let mut contents = BTreeSet::new();
+        let source = |path: &PathBuf| {
+            check_exists(path, WITH_FRAMES)?;
+            let dataset = if is_folder(path)? {
+                Some(Dataset::open(path)?)
+            } else if is_recording(path)? {
+                None
+            } else {
+                let remedy = "give the data set or recording that the trials were taken from";
+                let found = "a table of trials or another file";
+                return Err(InputError::new(path, "input", found, WITH_FRAMES, remedy).into());
+            };
+            // Two names and two copies of one file are one file.
+            let content = dataset.as_ref().map_or_else(|| file_blake3(path), |dataset| Ok(dataset.data_blake3()))?;
+            if !contents.insert(content) {
+                let remedy = "leave it out where it is named again";
+                let allowed = "each data set or recording once, so that no reach counts twice";
+                return Err(InputError::new(path, "input", "the same data twice", allowed, remedy).into());
+            }
+            Ok((path.clone(), dataset))
+        };
+        let sources: Result<Vec<_>, Failure> = paths.iter().map(source).collect();
+        Ok(Reaches { sources: sources? })
+    }
+
+    /// Each reach as its file or folder, and the data set there with its index in it.
+    fn places(&self) -> impl Iterator<Item = (&PathBuf, Option<&Dataset>, usize)> {
+        self.sources.iter().flat_map(|(path, dataset)| {
+            let reaches = dataset.as_ref().map_or(1, |dataset| dataset.episodes().len());
+            (0..reaches).map(move |index| (path, dataset.as_ref(), index))
+        })
+    }
+}
+
+impl ReadReaches for Reaches {
+    type Error = Failure;
+
+    fn count(&self) -> usize {
+        self.places().count()
+    }
+
+    /// Reads the reaches with a progress bar. It fails if a file is damaged; errors of `each` name the file.
+    fn read(
+        &self,
+        keeps: &dyn Fn(usize) -> bool,
+        each: &mut dyn FnMut(&Recording) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let kept: Vec<_> = self.places().enumerate().filter(|(position, _)| keeps(*position)).collect();
+        let bar = progress::bar(kept.len() as u64, "reaches read");
+        for (_, (path, dataset, index)) in kept {
+            let recording = match dataset {
+                Some(dataset) => dataset.read_reach(index)?,
+                None => read_recording(path)?,
+            };
+            each(&recording).map_err(|failure| failure.about(path))?;
+            bar.inc(1);
+        }
+        Ok(())
+    }
 }

@@ -6,7 +6,7 @@
 use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 mod command;
 mod failure;
@@ -15,8 +15,6 @@ mod interrupt;
 mod options;
 mod output;
 mod progress;
-mod reaches;
-mod trial_arguments;
 
 use failure::Failure;
 use progress::Shown;
@@ -48,21 +46,14 @@ With --json a command that fails prints {\"error\": {\"kind\", \"file\", \"line\
     after_help = FIRST_STEPS
 )]
 struct Cli {
-    #[command(flatten)]
-    shared: Shared,
-    #[command(subcommand)]
-    command: Command,
-}
-
-/// Options of all subcommands.
-#[derive(Args, Clone, Copy)]
-struct Shared {
     /// Print the result as one JSON object
     #[arg(long, global = true)]
     json: bool,
     /// Number of threads, at most 1024 [default: all cores]. Results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = options::number(|jobs: &usize| (1..=1024).contains(jobs), JOBS))]
     jobs: Option<usize>,
+    #[command(subcommand)]
+    command: Command,
 }
 
 /// The numbers of threads that are allowed. Choice: more than any machine has cores, about 800 today. Threads beyond the number of
@@ -132,7 +123,7 @@ pub fn run_command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(cli) => cli,
         Err(answer) => return output::usage(&answer, &arguments),
     };
-    let json = cli.shared.json;
+    let json = cli.json;
     underbrush_experiments::show_warnings(output::remark);
     let last_panic = failure::record_panics();
     interrupt::watch();
@@ -157,13 +148,13 @@ fn taking_negative_numbers(command: clap::Command) -> clap::Command {
 }
 
 fn run(cli: Cli) -> Result<(), Failure> {
-    if let Some(jobs) = cli.shared.jobs {
+    if let Some(jobs) = cli.jobs {
         rayon::ThreadPoolBuilder::new()
             .num_threads(jobs)
             .build_global()
             .map_err(|error| Failure::run(format!("cannot start {jobs} threads: {error}")))?;
     }
-    let json = cli.shared.json;
+    let json = cli.json;
     match cli.command {
         Command::Reproduce(options) => command::reproduce::run(options, json),
         Command::Reach(options) => command::reach::run(options, json),

@@ -1,6 +1,7 @@
 //! All printing: results on stdout, everything else on stderr. Control characters and bidirectional controls, which may
 //! come from files, are escaped.
 
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::path::Path;
@@ -22,9 +23,9 @@ static RESULT_PRINTED: AtomicBool = AtomicBool::new(false);
 pub fn result<T: Serialize>(json: bool, value: &T, text: impl FnOnce() -> String) -> Result<(), Failure> {
     if json {
         RESULT_PRINTED.store(true, Ordering::Relaxed);
-        lines([json_line(value)?])
+        line(&json_line(value)?)
     } else {
-        lines([text().trim_end().to_string()])
+        line(text().trim_end())
     }
 }
 
@@ -33,23 +34,15 @@ pub fn json_line(value: &impl Serialize) -> Result<String, Failure> {
     serde_json::to_string(value).map_err(|error| Failure::run(error.to_string()))
 }
 
-/// Prints lines on stdout.
-pub fn lines(lines: impl IntoIterator<Item = String>) -> Result<(), Failure> {
+/// Prints a line on stdout, or several that have line breaks between them.
+pub fn line(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
-    for line in lines {
-        writeln!(stdout, "{}", escaped(&line)).map_err(Failure::output)?;
-    }
-    stdout.flush().map_err(Failure::output)
+    writeln!(stdout, "{}", escaped(text)).and_then(|()| stdout.flush()).map_err(Failure::output)
 }
 
 /// Prints a remark on stderr. Errors are ignored: a closed or full stderr must not change the result or the exit status.
 pub fn remark(text: impl AsRef<str>) {
     let _ = writeln!(std::io::stderr().lock(), "{}", escaped(text.as_ref()));
-}
-
-/// Prints remarks on stderr, one per line.
-pub fn remarks(texts: impl IntoIterator<Item = String>) {
-    texts.into_iter().for_each(remark);
 }
 
 /// Prints the hint of an interrupted program on stderr, on a new line, because a progress bar or `^C` may be there.
@@ -63,7 +56,7 @@ pub fn interruption(hint: &str) {
 pub fn error(failure: &Failure, json: bool) {
     if json && !RESULT_PRINTED.load(Ordering::Relaxed) {
         // The exit status and stderr tell the same.
-        let _ = lines([failure.json()]);
+        let _ = line(&failure.json());
     }
     remark(failure.report());
 }
@@ -82,7 +75,7 @@ pub fn usage(answer: &clap::Error, arguments: &[OsString]) -> u8 {
     }
     if arguments.iter().take_while(|argument| *argument != "--").any(|argument| argument == "--json") {
         let failure = Failure::usage(text.trim_end());
-        let _ = lines([failure.json()]);
+        let _ = line(&failure.json());
     }
     // An argument, such as the name of a file, may have escape sequences; clap's colours are not worth those.
     if arguments.iter().all(|argument| is_plain(&argument.to_string_lossy())) {
@@ -93,9 +86,17 @@ pub fn usage(answer: &clap::Error, arguments: &[OsString]) -> u8 {
     2
 }
 
-/// Prints CSV.
-pub fn csv<T: Copy>(rows: Rows<T>) -> Result<(), Failure> {
-    lines([rows.table("", "").csv().trim_end_matches('\n').to_owned()])
+/// Prints things as CSV with these columns, or as one JSON object that lists them under `key`.
+pub fn csv<'a, T: Serialize>(
+    json: bool,
+    key: &str,
+    things: &'a [T],
+    columns: impl FnOnce(Rows<&'a T>) -> Rows<&'a T>,
+) -> Result<(), Failure> {
+    if json {
+        return result(true, &BTreeMap::from([(key, things)]), String::new);
+    }
+    line(columns(Rows::of(things)).table("", "").csv().trim_end_matches('\n'))
 }
 
 /// A path as text in a result. Bytes that are not UTF-8 are replaced, which affects only what is shown.

@@ -1,12 +1,14 @@
 //! Arms: joints, links and skin.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use underbrush_sim::arm::Arm;
+use underbrush_recording::{Patch, SkinLayout};
+use underbrush_sim::arm::{Arm, load_layout};
 
-use crate::{Failure, Skin, array};
+use crate::{Answer, Failure, array, json};
 
 /// An arm: joints, links and skin.
 #[pyclass(frozen, name = "Arm", module = "underbrush._core")]
@@ -18,7 +20,7 @@ pub struct PyArm {
 impl PyArm {
     /// Read an arm from its TOML file.
     #[staticmethod]
-    fn load(path: std::path::PathBuf) -> Result<Self, Failure> {
+    fn load(path: PathBuf) -> Result<Self, Failure> {
         Ok(PyArm { arm: Arm::load(path)? })
     }
 
@@ -89,5 +91,96 @@ impl PyArm {
 
     fn __repr__(&self) -> String {
         format!("Arm({:?}, {} joints)", self.arm.name, self.arm.joints.len())
+    }
+}
+
+/// The skin of an arm: patches of taxels.
+#[pyclass(frozen, module = "underbrush._core")]
+pub struct Skin {
+    pub layout: Arc<SkinLayout>,
+}
+
+/// The index of a patch, by its name, or of the first one.
+///
+/// # Errors
+/// `Fault::Input` with the names that exist.
+pub fn patch_index(layout: &SkinLayout, name: Option<&str>) -> Result<usize, Failure> {
+    layout.chosen_patch(name).ok_or_else(|| {
+        let known: Vec<&str> = layout.patches.iter().map(|patch| patch.name.as_str()).collect();
+        let found = name.map_or("no patch on this skin".to_owned(), |name| format!("{name:?}"));
+        Failure::argument("patch", found, known.join(", "), "choose one of them")
+    })
+}
+
+impl Skin {
+    fn patch(&self, name: Option<&str>) -> Result<&Patch, Failure> {
+        Ok(&self.layout.patches[patch_index(&self.layout, name)?])
+    }
+}
+
+#[pymethods]
+impl Skin {
+    /// Read the skin from an arm file, or from a skin file alone.
+    #[staticmethod]
+    fn load(path: PathBuf) -> Result<Self, Failure> {
+        Ok(Skin { layout: Arc::new(load_layout(path)?) })
+    }
+
+    /// Names of the patches.
+    #[getter]
+    fn patches(&self) -> Vec<String> {
+        self.layout.patches.iter().map(|patch| patch.name.clone()).collect()
+    }
+
+    /// The patches as recordings store them: name, link and grid, and the place and area of each taxel.
+    #[getter]
+    fn layout<'py>(&self, py: Python<'py>) -> Answer<'py> {
+        json::to_python(py, &*self.layout)
+    }
+
+    /// Number of taxels of a patch.
+    #[pyo3(signature = (patch = None))]
+    fn taxels(&self, patch: Option<&str>) -> Result<usize, Failure> {
+        Ok(self.patch(patch)?.taxels.len())
+    }
+
+    /// Rows and columns of a patch, or None if its taxels form no grid. Taxel = row * columns + column.
+    #[pyo3(signature = (patch = None))]
+    fn grid(&self, patch: Option<&str>) -> Result<Option<(usize, usize)>, Failure> {
+        Ok(self.patch(patch)?.grid.map(|grid| (grid.rows, grid.columns)))
+    }
+
+    /// Centres of the taxels, m, in the frame of their link: (taxels, 3).
+    #[pyo3(signature = (patch = None))]
+    fn positions_link<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Answer<'py> {
+        let taxels = self.patch(patch)?.taxels.iter();
+        Ok(array::lend_rows(py, taxels.flat_map(|taxel| taxel.position_link.to_array()).collect(), 3)?)
+    }
+
+    /// Outward unit normals of the taxels, in the frame of their link: (taxels, 3).
+    #[pyo3(signature = (patch = None))]
+    fn normals_link<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Answer<'py> {
+        let taxels = self.patch(patch)?.taxels.iter();
+        Ok(array::lend_rows(py, taxels.flat_map(|taxel| taxel.normal_link.to_array()).collect(), 3)?)
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.cast::<Skin>().is_ok_and(|other| other.get().layout == self.layout)
+    }
+
+    fn __repr__(&self) -> String {
+        let patches = self.layout.patches.iter();
+        let listed: Vec<String> =
+            patches.map(|patch| format!("{}: {} taxels", patch.name, patch.taxels.len())).collect();
+        format!("Skin({})", listed.join(", "))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {
+        json::pickled::<Skin>(py, &*self.layout)
+    }
+
+    #[staticmethod]
+    fn _from_json(text: &str) -> Result<Self, Failure> {
+        Ok(Skin { layout: Arc::new(json::unpickled(text.as_bytes())?) })
     }
 }

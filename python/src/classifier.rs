@@ -10,9 +10,9 @@ use underbrush_classifier::touch::TOUCH_FORMAT;
 use underbrush_classifier::{Decision, FORMAT, Model, OnlineClassifier, OnlineOptions, Scores};
 use underbrush_recording::InputError;
 
-use crate::arguments::{decision, save};
+use crate::given::{self, decision, save};
 use crate::online::Online;
-use crate::{Answer, Failure, Skin, Trials, array, given, json, place, watched};
+use crate::{Answer, Failure, Skin, Trials, array, json, place, watched};
 
 /// A fitted classifier of trials, as a model file holds it.
 #[pyclass(frozen, name = "Model", module = "underbrush._core")]

@@ -10,7 +10,7 @@ use underbrush_experiments::{contact_trials, model_data};
 use underbrush_recording::Fault;
 use underbrush_recording::disk::Dataset;
 
-use crate::arguments::cutting;
+use crate::given::cutting;
 use crate::pool::{self, alone};
 use crate::reach::{Reach, Source};
 use crate::{Answer, Column, Failure, PyTable, Reported, Skin, Trials, array, json, place, places, watched};
@@ -23,18 +23,13 @@ pub fn lasting(path: &Path) -> Result<PathBuf, Failure> {
 /// A finished data set. It reads only what is asked for, reach by reach and column by column.
 #[pyclass(frozen, name = "Dataset", module = "underbrush._core")]
 pub struct PyDataset {
-    dataset: Arc<Dataset>,
+    pub dataset: Arc<Dataset>,
 }
 
 impl PyDataset {
     /// Wraps an open data set.
     pub fn new(dataset: Dataset) -> Self {
         PyDataset { dataset: Arc::new(dataset) }
-    }
-
-    /// The set itself.
-    pub fn set(&self) -> &Dataset {
-        &self.dataset
     }
 
     fn reach(&self, index: usize) -> Reach {

@@ -12,7 +12,7 @@ use underbrush_recording::stop;
 
 use crate::dataset::lasting;
 use crate::scene::scene;
-use crate::{Failure, PyDataset, Reported, Stop, controller, warning, watched};
+use crate::{Failure, PyDataset, Reported, Stop, controller, show_warning, watched};
 
 /// Simulate many reaches and write them as a data set; if it is ``shared``, one part of them into a folder that all parts share.
 /// Then there is a set if no other part is at work and all reaches are there.
@@ -52,7 +52,6 @@ pub fn generate(
 
 /// Make a data set again from what it stores.
 #[pyfunction]
-#[pyo3(signature = (dataset, out, *, verdicts = None, resume = false, force = false, progress = None, jobs = None))]
 pub fn generate_again(
     py: Python<'_>,
     dataset: PathBuf,
@@ -68,7 +67,7 @@ pub fn generate_again(
     let campaign = Campaign::of(&source, verdicts)?;
     make_room(&out, &[dataset], resume, force)?;
     let made = write(py, &campaign, &out, resume, &Arc::default(), progress, jobs)?;
-    require_same_reaches(made.set(), &source)?;
+    require_same_reaches(&made.dataset, &source)?;
     Ok(made)
 }
 
@@ -116,7 +115,7 @@ pub fn write(
 /// A set that is written, after the warnings about its reaches.
 fn audited(written: Written) -> PyDataset {
     let dataset = written.dataset();
-    audit::warnings(dataset.episodes(), dataset.layout()).into_iter().for_each(warning::show);
+    audit::warnings(dataset.episodes(), dataset.layout()).into_iter().for_each(show_warning);
     PyDataset::new(dataset)
 }
 

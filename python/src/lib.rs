@@ -3,23 +3,18 @@
 #![cfg(feature = "extension")]
 #![allow(clippy::too_many_arguments, reason = "options by name")]
 
-mod arguments;
 mod arm;
 mod array;
-mod benchmark;
 mod classifier;
-mod command_line;
 mod controller;
 mod controller_input;
 mod dataset;
 mod environment;
-mod evaluation;
 mod failure;
 mod fitting;
 mod frame;
 mod generate;
 mod given;
-mod interrupt;
 mod json;
 mod online;
 mod picture;
@@ -27,28 +22,22 @@ mod pool;
 mod progress;
 mod python_classifier;
 mod reach;
-mod replay;
 mod scene;
 mod sequences;
 mod simulation;
-mod skin;
 mod study;
 mod table;
 mod touch;
 mod trials;
-mod validation;
-mod warning;
 
-use arm::PyArm;
+use arm::{PyArm, Skin, patch_index};
 use classifier::PyModel;
 use dataset::PyDataset;
-use failure::{Answer, Failure, locked, place, places};
+use failure::{Answer, Failure, locked, place, places, show_warning};
 use frame::PyFrame;
-use interrupt::Stop;
 use pool::alone;
-use progress::{Reported, watched};
+use progress::{Reported, Stop, watched};
 use scene::PyScene;
-use skin::{Skin, patch_index};
 use table::{Column, PyTable};
 use trials::Trials;
 
@@ -59,36 +48,33 @@ mod _core {
 
     #[pymodule_export]
     use crate::{
-        arm::PyArm,
+        arm::{PyArm, Skin},
         array::Numbers,
-        benchmark::{benchmark, benchmark_part, benchmark_sets},
         classifier::PyModel,
-        command_line::run_command_line,
         controller::ShippedController,
         controller_input::PyControllerInput,
         dataset::PyDataset,
         environment::PyEnvironments,
-        evaluation::evaluate_trials,
-        fitting::{Options, classifiers, fit},
+        fitting::{Options, classifiers, evaluate_trials, fit},
         frame::PyFrame,
         generate::{generate, generate_again, merge},
         online::{Online, online},
-        picture::PyCamera,
+        picture::{_check_free, PyCamera, replay_page},
         reach::{Reach, simulate},
-        replay::{_check_free, replay_page},
         scene::PyScene,
         simulation::{PySimulation, step_many},
-        skin::Skin,
-        study::{check, inspect, reproduce, run_campaign},
+        study::{
+            benchmark, benchmark_part, benchmark_sets, check, checks, inspect, reproduce, run_campaign,
+            run_command_line, validate,
+        },
         table::PyTable,
         touch::PyTouchModel,
         trials::Trials,
-        validation::{checks, validate},
     };
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        underbrush_experiments::show_warnings(crate::warning::show);
+        underbrush_experiments::show_warnings(crate::show_warning);
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
         module.add("PROGRAM_VERSION", underbrush_experiments::dataset::PROGRAM_VERSION)
     }

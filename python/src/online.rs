@@ -9,7 +9,7 @@ use underbrush_classifier::{OnlineClassifier, OnlineOptions, Scores};
 use underbrush_recording::SkinLayout;
 
 use crate::python_classifier::PythonClassifier;
-use crate::{Failure, PyFrame, Skin, Stop, arguments, json, locked};
+use crate::{Failure, PyFrame, Skin, Stop, given, json, locked};
 
 /// Gives a verdict on each taxel in contact, in every frame.
 #[pyclass(frozen, module = "underbrush._core")]
@@ -22,7 +22,7 @@ pub struct Online {
     /// The patches whose poses the classifier needs, because it uses motion.
     needs_poses_of: Vec<usize>,
     /// What a Python classifier raised.
-    raised: Option<Arc<Stop>>,
+    raised: Arc<Stop>,
 }
 
 struct State {
@@ -35,7 +35,7 @@ impl Online {
     /// Verdicts of a classifier of these categories, which needs the poses of these patches if it uses motion.
     pub fn new(judge: OnlineJudge, categories: Vec<String>, skin: &Skin, needs_poses_of: Vec<usize>) -> Self {
         let (state, layout) = (Mutex::new(State { judge, last_s: None }), Arc::clone(&skin.layout));
-        Online { state, categories, layout, needs_poses_of, raised: None }
+        Online { state, categories, layout, needs_poses_of, raised: Arc::default() }
     }
 
     fn lock(&self) -> Result<MutexGuard<'_, State>, Failure> {
@@ -117,10 +117,7 @@ impl Online {
             }
         }
         state.last_s = Some(time_s);
-        match &self.raised {
-            Some(raised) => raised.checked(Ok(verdicts)),
-            None => Ok(verdicts),
-        }
+        self.raised.checked(Ok(verdicts))
     }
 }
 
@@ -135,9 +132,9 @@ pub fn online(
     decision: Option<&Bound<'_, PyAny>>,
 ) -> Result<Online, Failure> {
     let own = PythonClassifier::of(classifier, &Arc::new(Stop::default()))?;
-    let decision = arguments::decision(decision, &Scores::of_any_kind())?;
+    let decision = given::decision(decision, &Scores::of_any_kind())?;
     let options = OnlineOptions::new(patch, threshold_n, decision);
     let judge = OnlineJudge::OfTrials(Box::new(OnlineClassifier::new(&own, &skin.layout, &options)?));
     let needs_poses_of = options.needs_pose_of(&own, &skin.layout).into_iter().collect();
-    Ok(Online { raised: Some(own.raised), ..Online::new(judge, own.categories, skin, needs_poses_of) })
+    Ok(Online { raised: own.raised, ..Online::new(judge, own.categories, skin, needs_poses_of) })
 }

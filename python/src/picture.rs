@@ -1,19 +1,23 @@
-//! Pictures of running simulations and of reaches.
+//! Pictures of running simulations and of reaches, and the replay page, which shows reaches in the browser or in a cell of a
+//! notebook.
 
 use std::borrow::Borrow;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::DVec3;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rayon::prelude::*;
+use underbrush_recording::disk::check_free;
 use underbrush_recording::{Frame, Recording, stop};
 use underbrush_render::{Camera, RenderError, Scene, Size, Stage, fullest};
-use underbrush_report::replayed;
+use underbrush_replay::{Judging, Source, single_file};
+use underbrush_report::replayed::{self, MAX_PAGE_BYTES, known};
 use underbrush_sim::scene::SceneCamera;
 use underbrush_sim::simulation::Simulation;
 
-use crate::{Failure, array, json, watched};
+use crate::{Failure, array, json, pool, watched};
 
 /// Size of the pictures that notebooks show.
 const SHOWN: Size = Size { width: 800, height: 450 };
@@ -165,4 +169,28 @@ fn each<T: Send + Clone>(
     let all = |_: &_| Ok(numbers.par_iter().map(draw).collect::<Result<Vec<Vec<T>>, RenderError>>()?);
     let drawn = watched(py, None, &Arc::default(), None, all)?;
     Ok(drawn.concat())
+}
+
+/// The page with some reaches of data sets and recordings inside, as the text of one HTML file.
+#[pyfunction]
+#[pyo3(signature = (paths, reaches = None, *, model = None, patch = None))]
+pub fn replay_page(
+    py: Python<'_>,
+    paths: Vec<PathBuf>,
+    reaches: Option<Vec<usize>>,
+    model: Option<PathBuf>,
+    patch: Option<String>,
+) -> Result<String, Failure> {
+    pool::detached(py, None, || {
+        let judging = model.map(|path| Judging::load(&path, patch.as_deref())).transpose()?;
+        let source = Source::open(&paths, known(), judging)?;
+        let all = (0..source.reaches.len()).collect();
+        Ok(single_file(&source, &reaches.unwrap_or(all), MAX_PAGE_BYTES)?)
+    })
+}
+
+/// Refuses a path where a file is already, unless ``force`` says that it may be overwritten.
+#[pyfunction]
+pub fn _check_free(path: PathBuf, force: bool) -> Result<(), Failure> {
+    Ok(check_free(&path, force)?)
 }

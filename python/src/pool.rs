@@ -27,7 +27,7 @@ impl Made {
             _ => {
                 // Dropping the parent's pool would wait for threads that do not exist in this process.
                 std::mem::forget(pool.take());
-                let new = Arc::new(build(threads)?);
+                let new = Arc::new(build(ThreadPoolBuilder::new().num_threads(threads))?);
                 *pool = Some((process, Arc::clone(&new)));
                 Ok(new)
             }
@@ -47,13 +47,8 @@ impl Drop for Made {
 /// The pool of this process.
 static POOL: Made = Made(Mutex::new(None));
 
-fn build(threads: usize) -> Result<ThreadPool, Failure> {
-    built(ThreadPoolBuilder::new().num_threads(threads))
-}
-
-fn built(builder: ThreadPoolBuilder) -> Result<ThreadPool, Failure> {
-    let pool = builder.build();
-    pool.map_err(|error| Failure::run(format!("cannot start threads: {error}")))
+fn build(builder: ThreadPoolBuilder) -> Result<ThreadPool, Failure> {
+    builder.build().map_err(|error| Failure::run(format!("cannot start threads: {error}")))
 }
 
 /// An error if a number of threads is out of range.
@@ -78,10 +73,8 @@ impl Helpers {
     /// # Errors
     /// `Fault::Input` if `jobs` is out of range.
     pub fn new(jobs: Option<usize>) -> Result<Self, Failure> {
-        let jobs = match jobs {
-            Some(jobs) => check(jobs)?,
-            None => std::thread::available_parallelism().map_or(1, usize::from),
-        };
+        let cores = || Ok(std::thread::available_parallelism().map_or(1, usize::from));
+        let jobs = jobs.map_or_else(cores, check)?;
         Ok(Helpers { threads: jobs - 1, pool: Made(Mutex::new(None)) })
     }
 
@@ -94,49 +87,41 @@ impl Helpers {
     }
 }
 
-/// Runs work on the threads of the pool, or on `jobs` threads. A panic becomes an error.
+/// Runs work on the threads of the pool, or on `jobs` threads, without the interpreter's lock. A panic becomes an error.
 ///
 /// # Errors
 /// Those of the work; `Fault::Input` if `jobs` is out of range.
-pub fn install<T: Send>(jobs: Option<usize>, work: impl FnOnce() -> Result<T, Failure> + Send) -> Result<T, Failure> {
+pub fn detached<T: Send>(
+    py: Python<'_>,
+    jobs: Option<usize>,
+    work: impl FnOnce() -> Result<T, Failure> + Send,
+) -> Result<T, Failure> {
     let jobs = jobs.map(check).transpose()?;
-    if rayon::current_thread_index().is_some() {
-        // A thread of a pool that waits here would begin the next reach meanwhile, and run its controller inside this one's.
-        let own = build(jobs.unwrap_or_else(rayon::current_num_threads))?;
-        let joined = || std::thread::scope(|scope| scope.spawn(|| own.install(work)).join());
-        return guarded(|| joined().unwrap_or_else(|panic| resume_unwind(panic)));
-    }
-    let pool = match jobs {
-        None => POOL.get(0)?,
-        Some(jobs) => Arc::new(build(jobs)?),
-    };
-    guarded(|| pool.install(work))
+    let pool_of = |threads: usize| build(ThreadPoolBuilder::new().num_threads(threads));
+    py.detach(|| {
+        if rayon::current_thread_index().is_some() {
+            // A thread of a pool that waits here would begin the next reach meanwhile, and run its controller inside this one's.
+            let own = pool_of(jobs.unwrap_or_else(rayon::current_num_threads))?;
+            let joined = || std::thread::scope(|scope| scope.spawn(|| own.install(work)).join());
+            return guarded(|| joined().unwrap_or_else(|panic| resume_unwind(panic)));
+        }
+        let pool = jobs.map_or_else(|| POOL.get(0), |jobs| pool_of(jobs).map(Arc::new))?;
+        guarded(|| pool.install(work))
+    })
 }
 
 /// Runs work on threads of its own, which end it if it asks [`stop::check`] after the flag is set.
 ///
 /// # Errors
-/// As [`install`].
+/// As [`detached`].
 pub fn stoppable<T: Send>(
     jobs: Option<usize>,
     flag: Arc<AtomicBool>,
     work: impl FnOnce() -> Result<T, Failure> + Send,
 ) -> Result<T, Failure> {
     let builder = ThreadPoolBuilder::new().num_threads(jobs.map(check).transpose()?.unwrap_or(0));
-    let pool = built(builder.start_handler(move |_| stop::listen(Arc::clone(&flag))))?;
+    let pool = build(builder.start_handler(move |_| stop::listen(Arc::clone(&flag))))?;
     guarded(|| pool.install(work))
-}
-
-/// Runs work on the pool without the interpreter's lock.
-///
-/// # Errors
-/// As [`install`].
-pub fn detached<T: Send>(
-    py: Python<'_>,
-    jobs: Option<usize>,
-    work: impl FnOnce() -> Result<T, Failure> + Send,
-) -> Result<T, Failure> {
-    py.detach(|| install(jobs, work))
 }
 
 /// Runs work on this thread without the interpreter's lock.

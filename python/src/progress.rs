@@ -1,5 +1,6 @@
-//! Passes the progress of a run on to Python.
+//! Passes the progress of a run on to Python, and Ctrl-C on to the run, while it works without the interpreter's lock.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -7,7 +8,7 @@ use pyo3::prelude::*;
 use underbrush_experiments::{Counter, Progress};
 use underbrush_recording::GoalOutcomes;
 
-use crate::{Failure, Stop, pool};
+use crate::{Failure, pool};
 
 /// How often signals are checked.
 const PERIOD: Duration = Duration::from_millis(50);
@@ -110,7 +111,7 @@ pub fn watched<T: Send>(
     let result = std::thread::scope(|scope| {
         scope.spawn(move || {
             // The receiver exists until the result has arrived.
-            let _ = sender.send(pool::stoppable(jobs, stop.flag(), || work(shown)));
+            let _ = sender.send(pool::stoppable(jobs, Arc::clone(&stop.flag), || work(shown)));
         });
         loop {
             let come = py.detach(|| match receiver.lock() {
@@ -132,4 +133,48 @@ pub fn watched<T: Send>(
     let value = stop.checked(result)?;
     reported.show(py)?;
     Ok(value)
+}
+
+/// Tells a run to end.
+#[derive(Debug, Default)]
+pub struct Stop {
+    flag: Arc<AtomicBool>,
+    /// The exception that ends the run.
+    raised: Mutex<Option<PyErr>>,
+}
+
+impl Stop {
+    /// Whether the run should end.
+    pub fn is_set(&self) -> bool {
+        self.flag.load(Ordering::Relaxed)
+    }
+
+    /// Ends the run with this exception. Only the first one counts.
+    pub fn raise(&self, error: PyErr) {
+        if let Ok(mut raised) = self.raised.lock() {
+            raised.get_or_insert(error);
+        }
+        self.flag.store(true, Ordering::Relaxed);
+    }
+
+    /// The exception that ended the run, or else the failure of the run itself. The next run is not told to end.
+    pub fn reason(&self, failure: Failure) -> Failure {
+        self.flag.store(false, Ordering::Relaxed);
+        match self.raised.lock().ok().and_then(|mut raised| raised.take()) {
+            Some(error) => error.into(),
+            None => failure,
+        }
+    }
+
+    /// The result of a run that may ignore that it should end, or exceptions of the user's objects: the exception if there was one.
+    ///
+    /// # Errors
+    /// Those of the run, or the exception.
+    pub fn checked<T>(&self, result: Result<T, Failure>) -> Result<T, Failure> {
+        match result {
+            Ok(_) if self.is_set() => Err(self.reason(Failure::run("the run was told to end"))),
+            Ok(value) => Ok(value),
+            Err(failure) => Err(self.reason(failure)),
+        }
+    }
 }

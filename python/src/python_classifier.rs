@@ -59,7 +59,7 @@ fn kept(raised: &Stop, failure: Failure) -> ModelError {
 }
 
 /// A fitted classifier: an object with `categories` and `scores(trials)`.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct PythonClassifier {
     object: Arc<Py<PyAny>>,
     pub categories: Vec<String>,
@@ -84,7 +84,7 @@ impl PythonClassifier {
             let allowed = "a list of different names in alphabetical order, which is also the order of the scores";
             Failure::argument("categories", found, allowed, "give the fitted classifier such an attribute")
         })?;
-        let features = crate::arguments::features(object.getattr("features").ok().as_ref())?;
+        let features = crate::given::features(object.getattr("features").ok().as_ref())?;
         Ok(PythonClassifier {
             object: Arc::new(object.clone().unbind()),
             categories,
@@ -92,26 +92,22 @@ impl PythonClassifier {
             raised: Arc::clone(raised),
         })
     }
-}
 
-/// The scores that an object gives trials, one row for each.
-fn scores(object: &Py<PyAny>, trials: Trials, categories: usize) -> Result<Vec<Vec<f64>>, Failure> {
-    Python::attach(|py| {
-        let count = trials.list.len();
-        let answer = object.bind(py).call_method1("scores", (trials,))?;
-        let shape = [Some(count), Some(categories)];
-        let numbers = array::numbers(&answer, "the answer of scores", &shape)?;
-        if let Some(found) = numbers.iter().find(|number| number.is_nan() || **number == f64::INFINITY) {
-            let allowed = "numbers; minus infinity for the impossible";
-            return Err(Failure::argument(
-                "the answer of scores",
-                found.to_string(),
-                allowed,
-                "correct the classifier",
-            ));
-        }
-        Ok(numbers.chunks_exact(categories).map(<[f64]>::to_vec).collect())
-    })
+    /// The scores that the object gives trials, one row for each. What it raises is kept.
+    fn scores(&self, trials: Trials) -> Result<Vec<Vec<f64>>, ModelError> {
+        let scores = Python::attach(|py| -> Result<_, Failure> {
+            let (count, categories) = (trials.list.len(), self.categories.len());
+            let answer = self.object.bind(py).call_method1("scores", (trials,))?;
+            let name = "the answer of scores";
+            let numbers = array::numbers(&answer, name, &[Some(count), Some(categories)])?;
+            if let Some(found) = numbers.iter().find(|number| number.is_nan() || **number == f64::INFINITY) {
+                let allowed = "numbers; minus infinity for the impossible";
+                return Err(Failure::argument(name, found.to_string(), allowed, "correct the classifier"));
+            }
+            Ok(numbers.chunks_exact(categories).map(<[f64]>::to_vec).collect())
+        });
+        scores.map_err(|failure| kept(&self.raised, failure))
+    }
 }
 
 impl Classifier for PythonClassifier {
@@ -129,9 +125,7 @@ impl Classifier for PythonClassifier {
 
     fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
         Box::new(PythonScorer {
-            object: Arc::clone(&self.object),
-            categories: self.categories.len(),
-            raised: Arc::clone(&self.raised),
+            classifier: self.clone(),
             samples: vec![Vec::new(); contacts],
             scores: vec![vec![0.0; self.categories.len()]; contacts],
             pushed: Vec::new(),
@@ -144,17 +138,14 @@ impl Classifier for PythonClassifier {
     }
 
     fn scores_of_all(&self, trials: &[&Trial]) -> Result<Vec<Vec<f64>>, ModelError> {
-        let found = scores(&self.object, cloned(trials), self.categories.len());
-        found.map_err(|failure| kept(&self.raised, failure))
+        self.scores(cloned(trials))
     }
 }
 
 /// Scores of contacts in progress. The object is called once in each frame, for all contacts with a new sample.
 #[derive(Debug)]
 struct PythonScorer {
-    object: Arc<Py<PyAny>>,
-    categories: usize,
-    raised: Arc<Stop>,
+    classifier: PythonClassifier,
     samples: Vec<Vec<Sample>>,
     scores: Vec<Vec<f64>>,
     /// Contacts with a new sample.
@@ -179,8 +170,7 @@ impl OnlineScorer for PythonScorer {
         }
         let samples = |contact: usize| self.samples[contact].clone();
         let trial = |contact: &usize| Trial { trial: *contact as u64, samples: samples(*contact), ..Trial::default() };
-        let trials = Trials::new(pushed.iter().map(trial).collect());
-        let found = scores(&self.object, trials, self.categories).map_err(|failure| kept(&self.raised, failure));
+        let found = self.classifier.scores(Trials::new(pushed.iter().map(trial).collect()));
         // Callers check what the object raised before they use the scores.
         for (contact, own) in pushed.iter().zip(found.unwrap_or_default()) {
             self.scores[*contact] = own;

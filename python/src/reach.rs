@@ -17,13 +17,13 @@ use underbrush_recording::{Body, Recording, SkinLayout};
 use underbrush_render::Stage;
 use underbrush_sim::reach::ReachPlan;
 
-use crate::arguments::cutting;
 use crate::failure::{self, place};
+use crate::given::cutting;
 use crate::picture::{self, PyCamera};
 use crate::pool::{self, alone};
 use crate::scene::scene;
 use crate::table::{Column, PyTable, record_batch};
-use crate::{Answer, Failure, PyFrame, Skin, Stop, Trials, controller, json, patch_index, warning, watched};
+use crate::{Answer, Failure, PyFrame, Skin, Stop, Trials, controller, json, patch_index, show_warning, watched};
 
 /// Where a reach is stored.
 pub enum Source {
@@ -100,19 +100,18 @@ impl Reach {
     /// The data that these reaches are from: each data set once, and each recording.
     pub fn sources<'a>(reaches: impl IntoIterator<Item = &'a Reach>) -> Vec<DataSource> {
         let mut sources = Vec::new();
-        let mut of_sets: BTreeMap<&Path, (&Dataset, Vec<usize>)> = BTreeMap::new();
+        let mut of_sets: BTreeMap<&Path, (&Dataset, Vec<&Episode>)> = BTreeMap::new();
         for reach in reaches {
             match &reach.source {
                 Source::Memory(recording) => sources.push(model_data::of_recording(recording)),
                 Source::Dataset(dataset, index) => {
-                    of_sets.entry(dataset.dir()).or_insert((dataset, vec![])).1.push(*index);
+                    let of_set = of_sets.entry(dataset.dir()).or_insert((dataset, vec![]));
+                    of_set.1.push(&dataset.episodes()[*index]);
                 }
             }
         }
-        let of_set = |(dataset, indices): &(&Dataset, Vec<usize>)| {
-            model_data::of_reaches(dataset, indices.iter().map(|index| &dataset.episodes()[*index]))
-        };
-        sources.extend(of_sets.values().map(of_set));
+        let of_sets = of_sets.into_values();
+        sources.extend(of_sets.map(|(dataset, episodes)| model_data::of_reaches(dataset, episodes.into_iter())));
         sources
     }
 
@@ -344,16 +343,16 @@ impl Reach {
         format!("Reach(scene={scene:?}, seed={seed}, index={index}, {} frames, {})", self.frames, self.outcome)
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (Bound<'py, PyAny>,)), Failure> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Result<(Bound<'py, PyAny>, (Bound<'py, PyAny>,)), Failure> {
+        let py = slf.py();
         let class = py.get_type::<Reach>();
-        match &self.source {
+        match &slf.get().source {
             Source::Dataset(dataset, index) => {
                 let place = (dataset.dir(), *index, dataset.data_blake3()).into_pyobject(py)?.into_any();
                 Ok((class.getattr("_of_dataset")?, (place,)))
             }
-            Source::Memory(recording) => {
-                let reach = Reach::new(Source::Memory(Arc::clone(recording)));
-                let bytes = py.import("underbrush._data")?.call_method1("bytes_of", (reach,))?;
+            Source::Memory(_) => {
+                let bytes = py.import("underbrush._data")?.call_method1("bytes_of", (slf,))?;
                 Ok((class.getattr("_from_bytes")?, (bytes,)))
             }
         }
@@ -369,10 +368,8 @@ impl Reach {
         let (path, index, hash) = place;
         let dataset = Arc::new(Dataset::open(&path)?);
         if dataset.data_blake3() != hash {
-            let path = path.display();
-            return Err(Failure::run(format!(
-                "{path}: is another data set than the reach was pickled from; pickle it again"
-            )));
+            let found = "is another data set than the reach was pickled from; pickle it again";
+            return Err(Failure::run(format!("{}: {found}", path.display())));
         }
         failure::place(index as isize, dataset.episodes().len())?;
         Ok(Reach::new(Source::Dataset(dataset, index)))
@@ -397,13 +394,11 @@ pub fn simulate(
         plan = plan.with_controller(move |arm| make(arm));
         dataset::check_own_name(&plan.controller_name())?;
     }
-    if let Some(model) = verdicts
-        && let Some(verdicts) = VerdictControl::named(&model)?
-    {
+    if let Some(verdicts) = verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten() {
         plan = verdicts.applied_to(plan)?;
     }
     let run = |_: &_| Ok(plan.run_until(index, &mut |_| {}, &|| stop.is_set())?);
     let recording = watched(py, None, &stop, None, run)?;
-    audit::reach_warnings(&recording).into_iter().for_each(warning::show);
+    audit::reach_warnings(&recording).into_iter().for_each(show_warning);
     Ok(Reach::of_recording(recording))
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::{IntoPyDict, PyBytes, PyDict};
 use underbrush_sim::materials::MaterialFile;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::{Scene, shipped_by_name};
@@ -121,12 +121,8 @@ impl PyScene {
         let text = toml::to_string(&table).map_err(|error| refused(error.to_string()))?;
         let path = match name {
             Some(name) if name.is_empty() || name.contains(['/', '\\']) => {
-                return Err(Failure::argument(
-                    "name",
-                    format!("{name:?}"),
-                    "a name without / and \\",
-                    "give another name",
-                ));
+                let allowed = "a name without / and \\";
+                return Err(Failure::argument("name", format!("{name:?}"), allowed, "give another name"));
             }
             Some(name) => self.scene.path.with_file_name(format!("{name}.toml")),
             None => self.scene.path.clone(),
@@ -156,11 +152,9 @@ impl PyScene {
     #[pyo3(signature = (seed = 0, index = 0))]
     fn clutter<'py>(&self, py: Python<'py>, seed: u64, index: u64) -> Result<Bound<'py, PyDict>, Failure> {
         let clutter = guarded(|| Ok(ReachPlan::new(self.scene.clone(), None, seed)?.draw(index)?))?;
-        let goals = clutter.goals.iter().flat_map(|goal| goal.to_array()).collect();
-        let found = PyDict::new(py);
-        found.set_item("objects", json::objects(py, &clutter.records())?)?;
-        found.set_item("goals", array::lend_rows(py, goals, 3)?)?;
-        Ok(found)
+        let objects = json::objects(py, &clutter.records())?;
+        let goals = array::lend_rows(py, clutter.goals.iter().flat_map(|goal| goal.to_array()).collect(), 3)?;
+        Ok([("objects", objects), ("goals", goals)].into_py_dict(py)?)
     }
 
     fn __repr__(&self) -> String {

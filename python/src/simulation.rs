@@ -33,11 +33,6 @@ impl PySimulation {
         locked(&self.state, busy, "the physics engine failed in this simulation; make a new one")
     }
 
-    fn angles(&self, value: &Bound<'_, PyAny>) -> Result<Vec<f64>, Failure> {
-        let joints = self.plan.arm.joints.len();
-        array::finite(value, "equilibrium_rad", &[Some(joints)])
-    }
-
     fn frame(&self, simulation: &Simulation) -> PyFrame {
         let goal = simulation.clutter().goals.first().copied().unwrap_or(DVec3::ZERO);
         PyFrame { frame: simulation.frame(0, goal), layout: Arc::clone(&self.layout) }
@@ -52,19 +47,14 @@ impl PySimulation {
         let scene = scene::scene(scene)?;
         alone(py, || {
             let plan = ReachPlan::new(scene, None, seed)?;
-            let simulation = plan.simulation(index)?;
-            Ok(PySimulation {
-                layout: Arc::new(plan.arm.skin.layout.clone()),
-                index,
-                state: Mutex::new(simulation),
-                plan,
-            })
+            let (layout, state) = (Arc::new(plan.arm.skin.layout.clone()), Mutex::new(plan.simulation(index)?));
+            Ok(PySimulation { plan, layout, index, state })
         })
     }
 
     /// Advance by one frame of 10 ms with the joints' springs at these equilibrium angles, rad.
     fn step(&self, py: Python<'_>, equilibrium_rad: &Bound<'_, PyAny>) -> Result<PyFrame, Failure> {
-        let angles = self.angles(equilibrium_rad)?;
+        let angles = array::finite(equilibrium_rad, "equilibrium_rad", &[Some(self.plan.arm.joints.len())])?;
         alone(py, || {
             // Locked in here, so that a panic of the engine marks the state as unusable.
             let mut simulation = self.lock()?;
@@ -91,13 +81,8 @@ impl PySimulation {
 
     /// A copy that continues exactly as this one would.
     fn copy(&self) -> Result<Self, Failure> {
-        let simulation = self.lock()?.clone();
-        Ok(PySimulation {
-            plan: self.plan.clone(),
-            layout: Arc::clone(&self.layout),
-            index: self.index,
-            state: Mutex::new(simulation),
-        })
+        let state = Mutex::new(self.lock()?.clone());
+        Ok(PySimulation { plan: self.plan.clone(), layout: Arc::clone(&self.layout), index: self.index, state })
     }
 
     fn __copy__(&self) -> Result<Self, Failure> {

@@ -1,16 +1,21 @@
-//! Looking into files, regression suites, and whole studies.
+//! Looking into files, physics checks, regression suites, the benchmark, and whole studies; and the command `underbrush` of the package.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
+use underbrush_experiments::benchmark::{EnteredController, Entry, TestSet, set_folder};
 use underbrush_experiments::suite::Checked;
+use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_experiments::{Experiment, inspection};
 use underbrush_recording::disk::check_free;
+use underbrush_recording::stop;
 use underbrush_report::reproduction::Reproduction;
 use underbrush_report::suite_text;
+use underbrush_validation::{CHECKS, Check};
 
-use crate::{Answer, Failure, Reported, alone, json, watched};
+use crate::{Answer, Failure, Reported, Stop, alone, controller, generate, json, watched};
 
 /// Check a scene, data set, recording, model or table of trials, and say what it holds.
 #[pyfunction]
@@ -22,7 +27,6 @@ pub fn inspect(py: Python<'_>, path: PathBuf, seed: u64) -> Answer<'_> {
 
 /// Run regression suites and hold what they find against their bounds.
 #[pyfunction]
-#[pyo3(signature = (suites, *, seed = None, bless = false, out = None, force = false, progress = None, jobs = None))]
 pub fn check<'py>(
     py: Python<'py>,
     suites: Vec<PathBuf>,
@@ -40,10 +44,8 @@ pub fn check<'py>(
         let allowed = "bounds from the seed of the file";
         return Err(Failure::argument("bless", "True with a seed", allowed, "leave the seed out"));
     }
-    for name in suite_text::FILES {
-        if let Some(folder) = &out {
-            check_free(&folder.join(name), force)?;
-        }
+    for file in out.iter().flat_map(|folder| suite_text::FILES.map(|name| folder.join(name))) {
+        check_free(&file, force)?;
     }
     let run = |reported: &Reported| {
         let checked = Checked::of(&suites, seed, bless, reported)?;
@@ -57,8 +59,6 @@ pub fn check<'py>(
 
 /// Run an experiment, the paper's if no other is given, and write its report.
 #[pyfunction]
-#[pyo3(signature = (out, *, experiment = None, quick = false, seed = None, campaigns = 1, force = false, progress = None,
-                    jobs = None))]
 pub fn reproduce<'py>(
     py: Python<'py>,
     out: PathBuf,
@@ -98,4 +98,116 @@ pub fn run_campaign(
     let reproduction = Reproduction { seed, experiment: &experiment, quick, campaigns: 1, force: false };
     let run = |reported: &Reported| Ok(reproduction.run_campaign(seed.wrapping_add(campaign), &out, reported)?);
     watched(py, jobs, &Arc::default(), None, run)
+}
+
+/// Check the simulated physics against closed-form solutions. Returns a dictionary for each check, as
+/// `underbrush validate --json` prints them.
+#[pyfunction]
+#[pyo3(signature = (only = None, *, tolerance_scale = 1.0, jobs = None))]
+pub fn validate<'py>(
+    py: Python<'py>,
+    only: Option<Vec<String>>,
+    tolerance_scale: f64,
+    jobs: Option<usize>,
+) -> Answer<'py> {
+    if !(0.0..=f64::MAX).contains(&tolerance_scale) {
+        let found = tolerance_scale.to_string();
+        return Err(Failure::argument("tolerance_scale", found, "a number, zero or more", "use 1"));
+    }
+    if let Some(name) = only.iter().flatten().find(|name| !checks().contains(&name.as_str())) {
+        return Err(Failure::argument("only", format!("{name:?}"), checks().join(", "), "choose some of them"));
+    }
+    let chosen = |check: &&Check| only.as_ref().is_none_or(|only| only.iter().any(|name| name == check.name));
+    let chosen: Vec<&Check> = CHECKS.iter().filter(chosen).collect();
+    let run = |_: &_| Ok(underbrush_validation::run(&chosen, tolerance_scale, stop::check));
+    json::to_python(py, &watched(py, jobs, &Arc::default(), None, run)?)
+}
+
+/// Names of the physics checks.
+#[pyfunction]
+pub fn checks() -> Vec<&'static str> {
+    CHECKS.iter().map(|check| check.name).collect()
+}
+
+/// Run the command line with these arguments, the program's name first, and return its exit status.
+#[pyfunction]
+pub fn run_command_line(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| ::underbrush::run_command_line(arguments))
+}
+
+/// Judge a model or a controller on the frozen scenes of the benchmark, and write a row of its table.
+#[pyfunction]
+pub fn benchmark<'py>(
+    py: Python<'py>,
+    track: &str,
+    out: PathBuf,
+    model: Option<PathBuf>,
+    controller: Option<&Bound<'_, PyAny>>,
+    verdicts: Option<PathBuf>,
+    quick: bool,
+    progress: Option<Py<PyAny>>,
+    jobs: Option<usize>,
+) -> Answer<'py> {
+    let stop = Arc::new(Stop::default());
+    let entry = entry(track, model, controller, verdicts, &stop)?;
+    let run = |reported: &Reported| Ok(entry.run(&out, quick, reported)?);
+    json::to_python(py, &watched(py, jobs, &stop, progress, run)?)
+}
+
+/// The folders of the sets on which an entry is judged, and their numbers of reaches.
+#[pyfunction]
+#[pyo3(signature = (track, *, out, model = None, controller = None, verdicts = None, quick = false))]
+pub fn benchmark_sets(
+    track: &str,
+    out: PathBuf,
+    model: Option<PathBuf>,
+    controller: Option<&Bound<'_, PyAny>>,
+    verdicts: Option<PathBuf>,
+    quick: bool,
+) -> Result<Vec<(PathBuf, u64)>, Failure> {
+    let sets = entry(track, model, controller, verdicts, &Arc::default())?.sets(quick)?;
+    let of_set = |set: &TestSet| {
+        let reaches = set.campaign.scenes.iter().map(|(_, reaches)| reaches).sum();
+        (set_folder(&out, &set.name, quick), reaches)
+    };
+    Ok(sets.iter().map(of_set).collect())
+}
+
+/// Make part I of N of one of the sets that ``benchmark_sets`` lists, chosen by its index.
+#[pyfunction]
+#[pyo3(signature = (place, part, *, track, shard, model = None, controller = None, verdicts = None, quick = false, jobs = None))]
+pub fn benchmark_part(
+    py: Python<'_>,
+    place: usize,
+    part: PathBuf,
+    track: &str,
+    shard: (u64, u64),
+    model: Option<PathBuf>,
+    controller: Option<&Bound<'_, PyAny>>,
+    verdicts: Option<PathBuf>,
+    quick: bool,
+    jobs: Option<usize>,
+) -> Result<(), Failure> {
+    let stop = Arc::new(Stop::default());
+    let mut sets = entry(track, model, controller, verdicts, &stop)?.sets(quick)?;
+    if place >= sets.len() {
+        let allowed = format!("0 to {}", sets.len().saturating_sub(1));
+        return Err(Failure::argument("place", place.to_string(), allowed, "choose a set"));
+    }
+    let mut campaign = sets.swap_remove(place).campaign;
+    campaign.shard = Some(generate::part(shard)?);
+    generate::write(py, &campaign, &part, false, &stop, None, jobs).map(drop)
+}
+
+fn entry(
+    track: &str,
+    model: Option<PathBuf>,
+    controller: Option<&Bound<'_, PyAny>>,
+    verdicts: Option<PathBuf>,
+    stop: &Arc<Stop>,
+) -> Result<Entry, Failure> {
+    let (kind, own) = controller::chosen(controller, stop)?;
+    let given = controller.is_some() || verdicts.is_some();
+    let verdicts = verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten();
+    Ok(Entry::new(track, model.as_deref(), given.then_some(EnteredController { kind, own, verdicts }))?)
 }

@@ -15,8 +15,8 @@ use underbrush_classifier::touch::{TOUCH_FORMAT, TouchExamples, TouchModel, Touc
 use underbrush_experiments::model_data;
 use underbrush_recording::{Recording, stop};
 
-use crate::arguments::save;
 use crate::classifier::other_kind;
+use crate::given::save;
 use crate::online::Online;
 use crate::reach::Reach;
 use crate::{Answer, Failure, Skin, json, watched};

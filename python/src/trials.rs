@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyBytes, PyCapsule, PySlice};
+use pyo3::types::{PyBytes, PyCapsule, PySlice};
 use underbrush_classifier::{DataSource, FeatureSet};
 use underbrush_experiments::model_data;
 use underbrush_recording::disk::{DiskError, check_free, read_trials, trial_table, write_trials};
 use underbrush_recording::{Fault, Sample, Trial};
 
-use crate::arguments::features;
+use crate::given::features;
 use crate::sequences::{checked, of_sequences};
 use crate::{Answer, Failure, PyTable, alone, array, json, place, places};
 
@@ -87,23 +87,14 @@ impl Trials {
     /// regions. Rows of a trial follow each other in time.
     #[staticmethod]
     #[pyo3(signature = (frame, min_samples = 1))]
-    fn from_dataframe(frame: &Bound<'_, PyAny>, min_samples: usize) -> Result<Self, Failure> {
-        let py = frame.py();
-        // The frame goes through a CSV file, whose reader checks every cell.
-        let folder = py.import("tempfile")?.call_method0("TemporaryDirectory")?;
-        let path = folder.getattr("name")?.extract::<PathBuf>()?.join("frame.csv");
-        if frame.hasattr("write_csv")? {
-            frame.call_method1("write_csv", (&path,))?;
-        } else if frame.hasattr("to_csv")? {
-            let options = [("index", false)].into_py_dict(py)?;
-            frame.call_method("to_csv", (&path,), Some(&options))?;
-        } else {
-            let (found, allowed) = (frame.get_type().name()?.to_string(), "a data frame of pandas or Polars");
-            return Err(Failure::argument("frame", found, allowed, "use Trials.from_sequences for arrays"));
-        }
-        let list = alone(py, || Ok(read_trials(&path)?));
-        folder.call_method0("cleanup")?;
-        let mut list = list.map_err(|failure| match failure {
+    fn from_dataframe<'py>(frame: &Bound<'py, PyAny>, min_samples: usize) -> PyResult<Bound<'py, PyAny>> {
+        frame.py().import("underbrush._data")?.call_method1("trials_of", (frame, min_samples))
+    }
+
+    /// The trials of a data frame that was written to this CSV file.
+    #[staticmethod]
+    fn _of_frame(py: Python<'_>, path: PathBuf, min_samples: usize) -> Result<Self, Failure> {
+        let mut list = alone(py, || Ok(read_trials(&path)?)).map_err(|failure| match failure {
             Failure::Fault(Fault::Input(mut error)) => {
                 // The first line is the header.
                 if let Some(row) = error.line.take().and_then(|line| line.checked_sub(2)) {
@@ -163,16 +154,15 @@ impl Trials {
             return Ok(one(py, &self.list[self.place(index)?])?);
         }
         let key = key.call_method0("tolist").unwrap_or_else(|_| key.clone());
-        // An empty list selects nothing. It could hold numbers as well as truth values.
-        let flags = key.extract::<Vec<bool>>().ok().filter(|flags| !flags.is_empty());
-        if let Some(flags) = flags {
-            Failure::unless_one_each("index", flags.len(), self.list.len(), "trial")?;
-            let places = flags.iter().enumerate().filter(|(_, flag)| **flag).map(|(place, _)| place);
-            return Ok(Bound::new(py, self.some(places))?.into_any());
-        }
-        let places: Vec<isize> = key.extract()?;
-        let places: Result<Vec<usize>, Failure> = places.into_iter().map(|index| self.place(index)).collect();
-        Ok(Bound::new(py, self.some(places?.into_iter()))?.into_any())
+        let places: Vec<usize> = match key.extract::<Vec<bool>>() {
+            // An empty list selects nothing. It could hold numbers as well as truth values.
+            Ok(flags) if !flags.is_empty() => {
+                Failure::unless_one_each("index", flags.len(), self.list.len(), "trial")?;
+                flags.iter().enumerate().filter(|(_, flag)| **flag).map(|(place, _)| place).collect()
+            }
+            _ => key.extract::<Vec<isize>>()?.into_iter().map(|index| self.place(index)).collect::<Result<_, _>>()?,
+        };
+        Ok(Bound::new(py, self.some(places.into_iter()))?.into_any())
     }
 
     /// Both, with new numbers. The numbers of the other's reaches follow those of its own, unless it begins with the same data.

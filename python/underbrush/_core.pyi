@@ -405,12 +405,11 @@ def merge(parts: Sequence[_Path], out: _Path, *, resume: bool = False, force: bo
 def generate_again(
     dataset: _Path,
     out: _Path,
-    *,
-    verdicts: _Path | None = None,
-    resume: bool = False,
-    force: bool = False,
-    progress: Callable[[int, int, str], object] | None = None,
-    jobs: int | None = None,
+    verdicts: _Path | None,
+    resume: bool,
+    force: bool,
+    progress: Callable[[int, int, str], object] | None,
+    jobs: int | None,
 ) -> Dataset: ...
 
 @final
@@ -419,6 +418,8 @@ class Trials:
     def load(path: _Path, min_samples: int = 1) -> Trials: ...
     @staticmethod
     def from_dataframe(frame: Any, min_samples: int = 1) -> Trials: ...
+    @staticmethod
+    def _of_frame(path: _Path, min_samples: int) -> Trials: ...
     def save(self, path: _Path, *, force: bool = False) -> None: ...
     @staticmethod
     def from_sequences(
@@ -507,11 +508,10 @@ class Options:
 def fit(
     trials: Trials,
     options: Options,
-    *,
-    start: Model | None = None,
-    false_positive_rate: float | None = None,
-    outlier_prior: float | None = None,
-    jobs: int | None = None,
+    start: Model | None,
+    false_positive_rate: float | None,
+    outlier_prior: float | None,
+    jobs: int | None,
 ) -> Model: ...
 def classifiers() -> list[tuple[str, str]]: ...
 def run_command_line(arguments: list[str]) -> int: ...
@@ -619,35 +619,32 @@ def checks() -> list[str]: ...
 def inspect(path: _Path, seed: int = 0) -> _Json: ...
 def check(
     suites: Sequence[_Path],
-    *,
-    seed: int | None = None,
-    bless: bool = False,
-    out: _Path | None = None,
-    force: bool = False,
-    progress: Callable[[int, int, str], object] | None = None,
-    jobs: int | None = None,
+    seed: int | None,
+    bless: bool,
+    out: _Path | None,
+    force: bool,
+    progress: Callable[[int, int, str], object] | None,
+    jobs: int | None,
 ) -> _Json: ...
 def reproduce(
     out: _Path,
-    *,
-    experiment: _Path | None = None,
-    quick: bool = False,
-    seed: int | None = None,
-    campaigns: int = 1,
-    force: bool = False,
-    progress: Callable[[int, int, str], object] | None = None,
-    jobs: int | None = None,
+    experiment: _Path | None,
+    quick: bool,
+    seed: int | None,
+    campaigns: int,
+    force: bool,
+    progress: Callable[[int, int, str], object] | None,
+    jobs: int | None,
 ) -> _Json: ...
 def benchmark(
     track: str,
-    *,
     out: _Path,
-    model: _Path | None = None,
-    controller: ControllerLike | None = None,
-    verdicts: _Path | None = None,
-    quick: bool = False,
-    progress: Callable[[int, int, str], object] | None = None,
-    jobs: int | None = None,
+    model: _Path | None,
+    controller: ControllerLike | None,
+    verdicts: _Path | None,
+    quick: bool,
+    progress: Callable[[int, int, str], object] | None,
+    jobs: int | None,
 ) -> _Json: ...
 def benchmark_sets(
     track: str,

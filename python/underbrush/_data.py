@@ -47,6 +47,20 @@ def reach_of(data: bytes) -> _core.Reach:
         return _core.Reach.load(path)
 
 
+def trials_of(frame: Any, min_samples: int) -> _core.Trials:
+    """The trials in a data frame of pandas or Polars. It goes through a CSV file, whose reader checks every cell."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "frame.csv"
+        if hasattr(frame, "write_csv"):
+            frame.write_csv(path)
+        elif hasattr(frame, "to_csv"):
+            frame.to_csv(path, index=False)
+        else:
+            found, allowed = type(frame).__name__, "a data frame of pandas or Polars"
+            raise refused("frame", found, allowed, "use Trials.from_sequences for arrays")
+        return _core.Trials._of_frame(path, min_samples)
+
+
 class TrialDataset:
     """Trials as pairs of an array and the number of a category.
 

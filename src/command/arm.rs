@@ -121,13 +121,13 @@ fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
     }
     output::write_file(&out, files.arm_file.as_bytes())?;
     output::write_file(scene, files.scene.1.as_bytes())?;
-    output::remarks(files.raised.iter().map(|(link, share)| {
+    for (link, share) in &files.raised {
         let (urdf, out, percent) = (urdf.display(), out.display(), 100.0 * share);
-        format!(
+        output::remark(format!(
             "warning: the inertia of {link} in {urdf} is that of no body: a principal moment is {percent:.1} % above the sum of the \
              other two. {out} has the nearest one of a body, in [[inertia]]; correct it if you know better"
-        )
-    }));
+        ));
+    }
     let links: Vec<&str> = files.arm.links.iter().map(|link| link.name.as_str()).collect();
     let outside_mm = files.outside_hulls_m * 1000.0;
     let report = json!({

@@ -55,16 +55,9 @@ pub fn run(options: ArrangeOptions, json: bool) -> Result<(), Failure> {
         plan.scene.name
     );
     output::write_file(&out, (remark + &clutter.arranged(&plan.scene, &arm)).as_bytes())?;
-    let report = Report {
-        scene: plan.scene.name,
-        seed,
-        reach_index: index,
-        objects: clutter.objects.len(),
-        goals: clutter.goals.len(),
-        file: out,
-    };
+    let (objects, goals) = (clutter.objects.len(), clutter.goals.len());
+    let report = Report { scene: plan.scene.name, seed, reach_index: index, objects, goals, file: out };
     output::result(json, &report, || {
-        let Report { objects, goals, .. } = report;
         let file = report.file.display();
         format!("Wrote {file} with {objects} objects and {goals} goals. Next: underbrush reach {file}\n")
     })

@@ -50,10 +50,8 @@ pub struct CheckOptions {
 
 /// Runs the suites and prints what they find.
 pub fn run(options: CheckOptions, json: bool) -> Result<(), Failure> {
-    for name in suite_text::FILES {
-        if let Some(folder) = &options.out {
-            options.overwrite.file(&folder.join(name), &options.suites)?;
-        }
+    for file in options.out.iter().flat_map(|folder| suite_text::FILES.map(|name| folder.join(name))) {
+        options.overwrite.file(&file, &options.suites)?;
     }
     let checked = Checked::of(&options.suites, options.seed, options.bless, &Shown)?;
     if let Some(folder) = &options.out {

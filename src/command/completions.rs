@@ -30,7 +30,7 @@ pub fn run<Cli: CommandFactory>(options: &CompletionsOptions, json: bool) -> Res
     if let Some(shell) = options.shell {
         let mut script = Vec::new();
         clap_complete::generate(shell, &mut program, "underbrush", &mut script);
-        return output::lines([String::from_utf8_lossy(&script).trim_end().to_owned()]);
+        return output::line(String::from_utf8_lossy(&script).trim_end());
     }
     let Some(folder) = &options.manual else { return Ok(()) };
     std::fs::create_dir_all(folder)

@@ -38,10 +38,9 @@ const TOUCH: &str = "touch";
 
 /// The names in the list of classifiers, each with one line of help, and the name of the classifier of frames.
 fn classifier() -> impl TypedValueParser<Value = Chosen> {
-    let value = |kind: &ClassifierKind| PossibleValue::new(kind.name).aliases(kind.aliases).help(kind.summary);
     let touch = "Networks over the course of each contact region: nothing, a category, uncertain or unknown in every frame. \
                  It is fitted to whole frames of data sets and recordings";
-    let values = CLASSIFIERS.iter().map(|kind| value(kind));
+    let values = CLASSIFIERS.iter().map(|kind| PossibleValue::new(kind.name).aliases(kind.aliases).help(kind.summary));
     let values = PossibleValuesParser::new(values.chain([PossibleValue::new(TOUCH).help(touch)]));
     values.try_map(|name| match registry::find(&name) {
         _ if name == TOUCH => Ok(Chosen::Touch),

@@ -19,9 +19,8 @@ use underbrush_report::drawing::Rows;
 
 use super::touch::{self, Judge, RiskArguments, TouchDecisionArguments};
 use super::{DecisionArguments, EstimatorArguments, Overwrite};
-use crate::input::{self, TrialArguments};
-use crate::options::{self, named};
-use crate::{Failure, output};
+use crate::options::{self, TrialArguments, named};
+use crate::{Failure, input, output};
 
 /// Shown at the end of `underbrush evaluate --help`.
 const ADVICE: &str = "\
@@ -146,14 +145,15 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     let (mut by_samples, mut by_samples_of_all) = (None, None);
     if let Some(folds) = folds.filter(|_| options.by_samples) {
         let estimator = options.estimator.estimator()?;
-        let series = accuracy_by_samples(&trials, estimator.as_ref(), folds, 1);
-        by_samples = Some(series.map_err(|error| about(error.into()))?);
+        let series = |trials: &[Trial], min_samples| {
+            accuracy_by_samples(trials, estimator.as_ref(), folds, min_samples).map_err(|error| about(error.into()))
+        };
+        by_samples = Some(series(&trials, 1)?);
         let min_samples = options.cut.min_samples();
         if min_samples > 1 {
             // There are some, as there are long ones.
             let all = input::trials(path, &options.cut.of_any_length())?;
-            let series = accuracy_by_samples(&all, estimator.as_ref(), folds, min_samples);
-            by_samples_of_all = Some(series.map_err(|error| about(error.into()))?);
+            by_samples_of_all = Some(series(&all, min_samples)?);
         }
     }
     let compared = folds.filter(|_| options.estimator.is_open());
@@ -191,11 +191,8 @@ fn compare(
         let interval_by_reach = evaluation.accuracy_interval_by_reach;
         Ok(Compared { classifier: kind.name, features, accuracy, interval_by_reach })
     });
-    let (mut compared, mut left_out) = (Vec::new(), Vec::new());
-    for own in judged.collect::<Vec<Result<Compared, String>>>() {
-        own.map_or_else(|reason| left_out.push(reason), |own| compared.push(own));
-    }
-    output::remarks(left_out);
+    let judged: Vec<Result<Compared, String>> = judged.collect();
+    let mut compared: Vec<Compared> = judged.into_iter().filter_map(|own| own.map_err(output::remark).ok()).collect();
     let key = |own: &Compared| own.accuracy.balanced_accuracy.unwrap_or(own.accuracy.accuracy);
     compared.sort_by(|a, b| key(b).total_cmp(&key(a)));
     compared
@@ -208,13 +205,12 @@ impl EvaluateOptions {
         let Some(train) = &self.train else { return Ok(()) };
         let fitted = content(train)?.blake3;
         for path in &self.trials {
-            if content(path)?.blake3 != fitted {
-                continue;
+            if content(path)?.blake3 == fitted {
+                let found = "the same data to fit on and to test on";
+                let allowed = "other data than TRIALS, because the accuracy on data that were fitted to is too high";
+                let remedy = "give other data, or leave out --train to cross-validate";
+                return Err(InputError::new(train, "--train", found, allowed, remedy).into());
             }
-            let found = "the same data to fit on and to test on";
-            let allowed = "other data than TRIALS, because the accuracy on data that were fitted to is too high";
-            let remedy = "give other data, or leave out --train to cross-validate";
-            return Err(InputError::new(train, "--train", found, allowed, remedy).into());
         }
         Ok(())
     }
@@ -243,7 +239,10 @@ impl EvaluateOptions {
         let others = own.iter().filter(|(given, _)| *given).map(|(_, option)| (*option).to_owned());
         let reason = "does not apply to the classifier touch, which judges the frames of whole reaches";
         options::refuse(others.chain(options::given(&self.decision)), reason)?;
-        self.touch.refuse_beside(&self.risk)?;
+        if self.risk.limit_wrong.is_some() && self.touch.cost_of_uncertain.is_some() {
+            let text = "--limit-wrong chooses what --cost-of-uncertain gives; leave one of them out";
+            return Err(Failure::usage(text));
+        }
         touch::evaluate(&self.trials, judge, self.risk.limit_wrong, &self.touch, json)
     }
 

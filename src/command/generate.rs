@@ -1,18 +1,22 @@
 //! `underbrush generate`: runs many reaches and writes a data set.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use serde::Serialize;
 use serde_json::json;
-use underbrush_experiments::audit;
+use underbrush_experiments::audit::{self, Worst};
 use underbrush_experiments::dataset::{Campaign, REACHES, Written, require_same_reaches};
+use underbrush_experiments::reach_ends::Ends;
 use underbrush_recording::disk::{Dataset, Shard};
+use underbrush_report::text;
 use underbrush_sim::materials::MaterialFile;
 use underbrush_sim::{ControllerKind, Scene};
 
-use super::{Overwrite, Summary, VerdictArguments};
-use crate::options::pair;
+use super::{Overwrite, VerdictArguments};
+use crate::options::{named, pair};
 use crate::{Failure, Shown, input, interrupt, output};
 
 /// Options of `underbrush generate`.
@@ -42,8 +46,8 @@ pub struct GenerateOptions {
     verdicts: VerdictArguments,
     /// Draw constants of the contact for every reach, from the ranges of the file of materials, and store them with the
     /// objects. Objects and goals stay the same
-    #[arg(long, value_enum, value_name = "WHAT")]
-    randomize: Option<Randomized>,
+    #[arg(long, value_name = "WHAT", value_parser = named::<String>(&[("materials", "The constants of the file of materials")]))]
+    randomize: Option<String>,
     /// File of materials, as sim/materials.toml: its values replace those of arm and objects, or with --randomize its ranges
     #[arg(long, value_name = "FILE")]
     materials: Option<PathBuf>,
@@ -62,13 +66,6 @@ pub struct GenerateOptions {
     shared: bool,
 }
 
-/// What can be drawn for every reach beside the objects.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Randomized {
-    /// The constants of the file of materials
-    Materials,
-}
-
 fn shard(text: &str) -> Result<Shard, String> {
     let numbers = pair(text, '/').filter(|(index, count)| (1..=*count).contains(index));
     let shard = numbers.map(|(index, count)| Shard { index: index - 1, count });
@@ -79,7 +76,7 @@ fn shard(text: &str) -> Result<Shard, String> {
 fn described(options: &GenerateOptions) -> Result<Campaign, Failure> {
     let scenes: Result<Vec<Scene>, _> = options.scenes.iter().map(Scene::open).collect();
     let materials = options.materials.as_deref().map(MaterialFile::load).transpose()?;
-    let scenes = match (materials, options.randomize) {
+    let scenes = match (materials, &options.randomize) {
         (None, None) => scenes,
         (file, randomize) => {
             let file = file.map_or_else(MaterialFile::shipped, Ok)?;
@@ -120,18 +117,15 @@ pub fn run(options: GenerateOptions, json: bool) -> Result<(), Failure> {
         },
         None => campaign.write(out, options.resume, &Shown)?,
     };
-    let (dataset, wall_s) = match written {
-        Written::New(dataset) => (dataset, Some(start.elapsed().as_secs_f64())),
-        Written::Before(dataset) => {
-            let out = out.display();
-            output::remark(format!("{out}: the data set is finished; there is nothing to do"));
-            (dataset, None)
-        }
-    };
+    let wall_s = matches!(written, Written::New(_)).then(|| start.elapsed().as_secs_f64());
+    if wall_s.is_none() {
+        output::remark(format!("{}: the data set is finished; there is nothing to do", out.display()));
+    }
+    let dataset = written.dataset();
     if let Some(source) = &source {
         require_same_reaches(&dataset, source)?;
     }
-    output::remarks(audit::warnings(dataset.episodes(), dataset.layout()));
+    audit::warnings(dataset.episodes(), dataset.layout()).into_iter().for_each(output::remark);
     // Other runs may have simulated a part.
     let alone_s = wall_s.filter(|_| !options.resume && !options.shared);
     let mut summary = Summary::of(&dataset, alone_s);
@@ -139,4 +133,57 @@ pub fn run(options: GenerateOptions, json: bool) -> Result<(), Failure> {
         summary.goals_with_a_way = Some(campaign.goals_with_a_way()?);
     }
     output::result(json, &summary, || summary.text())
+}
+
+/// What is printed about a data set that was made.
+#[derive(Serialize)]
+pub(super) struct Summary {
+    #[serde(serialize_with = "output::path")]
+    dataset: PathBuf,
+    reaches: usize,
+    frames: usize,
+    simulated_s: f64,
+    /// Wall time for making the set, s; `None` if another run made it or a part of it.
+    wall_s: Option<f64>,
+    /// Goals that have a way, all goals, and reaches, of a sample of the reaches; `None` for a set that was not simulated just now.
+    goals_with_a_way: Option<[usize; 3]>,
+    #[serde(flatten)]
+    ends: Ends,
+    /// The worst residuals of the audit, each with its reach.
+    audit: BTreeMap<&'static str, Worst>,
+    /// The counts of the audit, summed over the reaches.
+    audit_counts: BTreeMap<&'static str, u64>,
+}
+
+impl Summary {
+    /// Sums up a data set that took `wall_s` to simulate.
+    pub(super) fn of(dataset: &Dataset, wall_s: Option<f64>) -> Self {
+        let episodes = dataset.episodes();
+        let frames: usize = episodes.iter().map(|episode| episode.frames).sum();
+        Summary {
+            dataset: dataset.dir().to_path_buf(),
+            reaches: episodes.len(),
+            frames,
+            simulated_s: frames as f64 * underbrush_recording::FRAME_PERIOD_S,
+            wall_s,
+            goals_with_a_way: None,
+            ends: Ends::of(episodes),
+            audit: audit::worst(episodes, dataset.layout()),
+            audit_counts: audit::counts(episodes),
+        }
+    }
+
+    /// Readable text.
+    pub(super) fn text(&self) -> String {
+        let pace = self.wall_s.map_or(String::new(), |wall_s| {
+            format!(" in {wall_s:.0} s ({:.0} times real time)", self.simulated_s / wall_s.max(1e-9))
+        });
+        let ways = self.goals_with_a_way.map_or(String::new(), |[ways, goals, looked_at]| {
+            let of = if looked_at < self.reaches { format!(" of {looked_at} reaches") } else { String::new() };
+            format!("{ways} of {goals} goals{of} have a way round all fixed obstacles\n")
+        });
+        let (reaches, simulated_s) = (output::counted(self.reaches, "reach", "reaches"), self.simulated_s);
+        let (ends, audit, dataset) = (self.ends.text(), text::audit(&self.audit), self.dataset.display());
+        format!("{reaches}, {simulated_s:.0} s of simulated time{pace}\n{ends}\n{ways}{audit}\ndata set in {dataset}")
+    }
 }

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use underbrush_recording::disk::{Dataset, DiskError, Shards};
 
-use super::{Overwrite, Summary};
+use super::Overwrite;
+use super::generate::Summary;
 use crate::{Failure, interrupt, output, progress};
 
 /// Options of `underbrush merge`.

@@ -66,7 +66,7 @@ fn place(text: &str) -> Result<DVec3, String> {
 impl PictureArguments {
     /// Draws a picture or a film of one of the reaches, if one is asked for; false if not. Its file is checked before.
     pub fn run(&self, source: &Source, chosen: &[usize], json: bool) -> Result<bool, Failure> {
-        let Some(path) = self.file() else {
+        let Some(path) = self.still.as_ref().or(self.video.as_ref()) else {
             return Ok(false);
         };
         let reaches = source.reaches.len();
@@ -94,11 +94,6 @@ impl PictureArguments {
             format!("{path}: {} in {megabytes:.2} MB", output::counted(frames, "picture", "pictures"))
         })?;
         Ok(true)
-    }
-
-    /// The file to write.
-    pub fn file(&self) -> Option<&Path> {
-        self.still.as_deref().or(self.video.as_deref())
     }
 
     /// Demands that the file can be written, has the right ending, and that the numbers are within their limits.
@@ -152,10 +147,8 @@ impl PictureArguments {
                 recording.frames.partition_point(|frame| frame.time_s < time_s - 1e-9)
             }
             Some(time_s) => {
-                let text = format!(
-                    "--time {time_s}: allowed: 0 to {last_s:.2}, the length of the reach in s; choose a moment of it"
-                );
-                return Err(Failure::usage(text));
+                let allowed = format!("0 to {last_s:.2}, the length of the reach in s");
+                return Err(Failure::usage(format!("--time {time_s}: allowed: {allowed}; choose a moment of it")));
             }
             None => fullest(recording),
         };

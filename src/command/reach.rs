@@ -14,8 +14,8 @@ use underbrush_replay::Judging;
 use underbrush_report::drawing::Rows;
 use underbrush_sim::{ControllerKind, ReachPlan, ReachSoFar, Scene};
 
-use super::replay::ServerArguments;
-use super::{Overwrite, VerdictArguments, Watched, picture};
+use super::replay::{ServerArguments, Watched};
+use super::{Overwrite, VerdictArguments, picture};
 use crate::{Failure, Shown, input, output};
 
 /// Options of `underbrush reach`.
@@ -105,9 +105,10 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
         plan = verdicts.applied_to(plan)?;
     }
     let options_of_trials = TrialOptions { patch: options.patch.clone(), ..TrialOptions::default() };
+    let skin = &plan.arm.skin.layout;
     // An unknown patch is refused before anything is computed.
     if options.patch.is_some() {
-        PatchImage::new(&plan.arm.skin.layout, options.patch.as_deref(), options_of_trials.threshold_n)?;
+        PatchImage::new(skin, options.patch.as_deref(), options_of_trials.threshold_n)?;
     }
     dataset::say_doubts([&plan.arm], &Shown);
     let judging = options.model.as_deref().map(|path| Judging::load(path, options.patch.as_deref())).transpose()?;
@@ -120,10 +121,8 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
         let remedy = "a recording is written as Parquet; choose such a name";
         options.overwrite.ending(path, &["parquet"], remedy, &inputs)?;
     }
-    let so_far = || ReachSoFar::new(&plan, options.index);
-    let begin = || Watched::begin(so_far(), &plan.arm.skin.layout, judging.as_ref(), &options.server);
-    let watched = options.watch.then(begin);
-    let mut watched = watched.transpose()?;
+    let begin = || Watched::begin(ReachSoFar::new(&plan, options.index), skin, judging.as_ref(), &options.server);
+    let mut watched = options.watch.then(begin).transpose()?;
     let start = Instant::now();
     // The reach waits here for the browser, and while it is paused.
     let mut shown = Duration::ZERO;
@@ -142,7 +141,7 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
     if let Some(path) = &options.picture {
         picture::write_fullest(&recording, path)?;
     }
-    output::remarks(audit::reach_warnings(&recording));
+    audit::reach_warnings(&recording).into_iter().for_each(output::remark);
     let f_max_n = plan.controller.preset().map(|preset| preset.force_limit_n);
     let goals = plan.scene.file.goals.number();
     let report = Report::of(&recording, goals, &options_of_trials, f_max_n, wall_s)?;

@@ -1,15 +1,18 @@
-//! `underbrush replay`: shows reaches in the browser, or draws them.
+//! `underbrush replay`: shows reaches in the browser, or draws them; and a reach that is shown while it is simulated.
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
+use std::thread::JoinHandle;
 
 use clap::Args;
 use serde_json::json;
 use underbrush_classifier::Scores;
-use underbrush_replay::{Judging, JudgingModel, Server, Source, single_file};
+use underbrush_recording::{Fault, Recording, SkinLayout};
+use underbrush_replay::{Judging, JudgingModel, Live, PartialReach, Server, Source, VerdictLog, single_file, unjudged};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
+use underbrush_sim::reach::{Observed, ReachSoFar};
 
 use super::touch::TouchDecisionArguments;
 use super::{DecisionArguments, Overwrite, PictureArguments};
@@ -149,12 +152,10 @@ impl ServerArguments {
         if self.no_open || !display || !std::io::stdout().is_terminal() {
             return;
         }
-        let program = if cfg!(target_os = "macos") {
-            "open"
-        } else if cfg!(windows) {
-            "explorer"
-        } else {
-            "xdg-open"
+        let program = match std::env::consts::OS {
+            "macos" => "open",
+            "windows" => "explorer",
+            _ => "xdg-open",
         };
         let quiet =
             Command::new(program).arg(address).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
@@ -162,5 +163,62 @@ impl ServerArguments {
         if let Ok(mut child) = quiet {
             std::thread::spawn(move || child.wait());
         }
+    }
+}
+
+/// What messages call the reach.
+const REACH: &str = "this reach";
+
+/// A reach that is shown in the browser while it is simulated, and the server that shows it.
+pub struct Watched<'a> {
+    so_far: ReachSoFar<'a>,
+    verdicts: Option<VerdictLog>,
+    /// Why there are no more verdicts.
+    fault: Option<Fault>,
+    live: Arc<Live>,
+    server: JoinHandle<()>,
+}
+
+impl<'a> Watched<'a> {
+    /// Starts the server and says where the page is. With a model the page shows its verdicts.
+    pub fn begin(
+        so_far: ReachSoFar<'a>,
+        skin: &SkinLayout,
+        judging: Option<&Judging>,
+        arguments: &ServerArguments,
+    ) -> Result<Self, Failure> {
+        let verdicts = judging.map(|judging| judging.begin(skin)).transpose();
+        let verdicts = verdicts.map_err(unjudged(REACH))?;
+        let live = Arc::new(Live::default());
+        let server = Server::watch(Arc::clone(&live), known(), arguments.port)?;
+        let address = server.address.clone();
+        output::remark(format!("the reach begins when {address} is opened in a browser"));
+        arguments.show(&address);
+        Ok(Watched { so_far, verdicts, fault: None, live, server: std::thread::spawn(move || server.run()) })
+    }
+
+    /// Shows one more frame. Waits while the reach is paused.
+    pub fn frame(&mut self, observed: Observed) {
+        self.so_far.observe(observed);
+        if let Some(Err(source)) = self.verdicts.as_mut().map(|verdicts| verdicts.update(observed.frame)) {
+            self.verdicts = None;
+            self.fault = Some(unjudged(REACH)(source));
+        }
+        self.live.frame(|| self.so_far.recording().map(|recording| self.with_verdicts(recording)));
+    }
+
+    fn with_verdicts(&self, recording: Recording) -> PartialReach {
+        PartialReach { recording, verdicts: self.verdicts.as_ref().map(|log| log.verdicts.clone()) }
+    }
+
+    /// Shows the whole reach until the program is ended.
+    pub fn end(self, recording: Recording) -> Result<(), Failure> {
+        self.live.end(self.with_verdicts(recording));
+        if let Some(fault) = self.fault {
+            return Err(fault.into());
+        }
+        output::remark("the page can be used until Ctrl-C");
+        let ended = self.server.join();
+        ended.map_err(|_| Failure::run("the server of the page has failed; please report this"))
     }
 }

@@ -46,5 +46,5 @@ pub fn run(options: &SchemaOptions) -> Result<(), Failure> {
         Kind::Touch => underbrush_classifier::touch::TouchModel::schema(),
     };
     let text = serde_json::to_string_pretty(&schema);
-    output::lines([text.map_err(|error| Failure::run(error.to_string()))?])
+    output::line(&text.map_err(|error| Failure::run(error.to_string()))?)
 }

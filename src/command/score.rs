@@ -6,11 +6,9 @@ use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::{Model, ScoreKind, any_model};
 use underbrush_recording::Trial;
-use underbrush_report::drawing::Rows;
 
-use crate::input::{self, TrialArguments};
-use crate::options::named;
-use crate::{Failure, output};
+use crate::options::{TrialArguments, named};
+use crate::{Failure, input, output};
 
 /// Options of `underbrush score`.
 #[derive(Args)]
@@ -71,13 +69,10 @@ pub fn run(options: ScoreOptions, json: bool) -> Result<(), Failure> {
         })
     });
     let rows: Vec<Row> = rows.collect();
-    if json {
-        return output::result(true, &serde_json::json!({ "scores": rows }), String::new);
-    }
-    let rows = Rows::of(&rows)
-        .column("model", |row| row.model.as_str())
-        .column("trial", |row| row.trial.to_string())
-        // The shortest text that reads back as the same number, also if it is not finite.
-        .column("log_likelihood", |row| row.log_likelihood.to_string());
-    output::csv(rows)
+    output::csv(json, "scores", &rows, |rows| {
+        rows.column("model", |row| row.model.as_str())
+            .column("trial", |row| row.trial.to_string())
+            // The shortest text that reads back as the same number, also if it is not finite.
+            .column("log_likelihood", |row| row.log_likelihood.to_string())
+    })
 }

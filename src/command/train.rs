@@ -18,8 +18,8 @@ use underbrush_report::drawing::Rows;
 
 use super::touch::{self, RiskArguments, SimulatedArguments};
 use super::{EstimatorArguments, Overwrite};
-use crate::input::{self, TrialArguments};
-use crate::{Failure, output};
+use crate::options::TrialArguments;
+use crate::{Failure, input, output};
 
 /// Options of `underbrush train`.
 #[derive(Args)]
@@ -81,18 +81,18 @@ struct Trained<'a> {
 
 /// The result of the fit.
 #[derive(Serialize)]
-#[serde(untagged)]
-enum Report {
-    /// Training of each category's model; only for hidden Markov models, which are trained iteratively.
-    Training(Counts<TrainingHistory>),
-    Counts(Counts<Count>),
+struct Report {
+    categories: Categories,
+    /// Number of trials to whose category nothing is fitted.
+    skipped_trials: usize,
 }
 
 #[derive(Serialize)]
-struct Counts<C> {
-    categories: BTreeMap<String, C>,
-    /// Number of trials to whose category nothing is fitted.
-    skipped_trials: usize,
+#[serde(untagged)]
+enum Categories {
+    /// Training of each category's model; only for hidden Markov models, which are trained iteratively.
+    Training(BTreeMap<String, TrainingHistory>),
+    Counts(BTreeMap<String, Count>),
 }
 
 #[derive(Default, Serialize)]
@@ -138,11 +138,7 @@ pub fn run(options: TrainOptions, json: bool) -> Result<(), Failure> {
     model.warn_of_little_data();
     output::write_file(&options.out, model.save_string()?.as_bytes())?;
     output::result(json, &Trained { model: &options.out, report: &report, thresholds: thresholds.as_ref() }, || {
-        let report = match &report {
-            Report::Training(report) => text(report),
-            Report::Counts(counts) => counts_text(options.estimator.classifier_name(), counts),
-        };
-        report
+        text(&report, options.estimator.classifier_name())
             + &thresholds.as_ref().map(thresholds_text).unwrap_or_default()
             + &format!("Model written to {}", options.out.display())
     })
@@ -170,11 +166,8 @@ impl TrainOptions {
 /// The models of a file, trained further.
 fn continued(options: &TrainOptions, start: &Path, path: &Path, trials: &[Trial]) -> Result<Model, Failure> {
     let start = any_model::load_of_trials(start)?;
-    let models = start.hmm().map_err(|_| {
-        Failure::usage(
-            "--start continues the training of hidden Markov models only; give such a model, or leave it out",
-        )
-    })?;
+    let text = "--start continues the training of hidden Markov models only; give such a model, or leave it out";
+    let models = start.hmm().map_err(|_| Failure::usage(text))?;
     let trained = HmmClassifier::train_from(models, trials, &options.estimator.training()?);
     Ok(Model::new(Box::new(trained.map_err(|error| about(path, error))?)))
 }
@@ -189,21 +182,18 @@ fn about(path: &Path, error: ModelError) -> Failure {
 
 fn report(classifier: &dyn Classifier, trials: &[Trial]) -> Report {
     let own = classifier.categories();
-    let mut categories: BTreeMap<String, Count> = BTreeMap::new();
+    let mut counts: BTreeMap<String, Count> = BTreeMap::new();
     for trial in trials {
         let Some(category) = trial.category.as_ref().filter(|name| is_trained(name) && own.contains(name)) else {
             continue;
         };
-        let count = categories.entry(category.clone()).or_default();
+        let count = counts.entry(category.clone()).or_default();
         count.trials += 1;
         count.samples += trial.samples.len();
     }
-    let used: usize = categories.values().map(|count| count.trials).sum();
-    let skipped_trials = trials.len() - used;
-    match classifier.training() {
-        Some(training) => Report::Training(Counts { categories: training.clone(), skipped_trials }),
-        None => Report::Counts(Counts { categories, skipped_trials }),
-    }
+    let used: usize = counts.values().map(|count| count.trials).sum();
+    let training = classifier.training().cloned().map(Categories::Training);
+    Report { categories: training.unwrap_or(Categories::Counts(counts)), skipped_trials: trials.len() - used }
 }
 
 /// Thresholds from the training trials, if they are requested.
@@ -272,9 +262,27 @@ fn thresholds_text(chosen: &ChosenThresholds) -> String {
     text
 }
 
-fn text(report: &Counts<TrainingHistory>) -> String {
+fn text(report: &Report, classifier: &str) -> String {
+    let mut text = match &report.categories {
+        Categories::Training(training) => training_text(training),
+        Categories::Counts(counts) => {
+            let table = Rows::of(counts)
+                .column("category", |(category, _)| category.as_str())
+                .column("trials", |(_, count)| count.trials)
+                .column("samples", |(_, count)| count.samples);
+            format!("Classifier {classifier}\n{}", table.text())
+        }
+    };
+    if report.skipped_trials > 0 {
+        let skipped = output::counted(report.skipped_trials, "trial", "trials");
+        text += &format!("left out: {skipped} to which nothing is fitted\n");
+    }
+    text
+}
+
+fn training_text(training: &BTreeMap<String, TrainingHistory>) -> String {
     let end = |value: Option<&f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
-    let mut text = Rows::of(&report.categories)
+    let mut text = Rows::of(training)
         .column("category", |(category, _)| category.as_str())
         .column("trials", |(_, own)| own.trials)
         .column("samples", |(_, own)| own.samples)
@@ -287,26 +295,8 @@ fn text(report: &Counts<TrainingHistory>) -> String {
             Stop::Fell { iteration, by } => format!("fell by {by:.2e} nats at {iteration}"),
         })
         .text();
-    for (category, history) in &report.categories {
-        if !history.empty_states.is_empty() {
-            text +=
-                &format!("{category}: states {:?} explain no sample; fewer states would do\n", history.empty_states);
-        }
+    for (category, history) in training.iter().filter(|(_, history)| !history.empty_states.is_empty()) {
+        text += &format!("{category}: states {:?} explain no sample; fewer states would do\n", history.empty_states);
     }
-    text + &skipped_text(report.skipped_trials)
-}
-
-fn skipped_text(skipped: usize) -> String {
-    match skipped {
-        0 => String::new(),
-        _ => format!("left out: {} to which nothing is fitted\n", output::counted(skipped, "trial", "trials")),
-    }
-}
-
-fn counts_text(classifier: &str, counts: &Counts<Count>) -> String {
-    let table = Rows::of(&counts.categories)
-        .column("category", |(category, _)| category.as_str())
-        .column("trials", |(_, count)| count.trials)
-        .column("samples", |(_, count)| count.samples);
-    format!("Classifier {classifier}\n{}{}", table.text(), skipped_text(counts.skipped_trials))
+    text
 }

@@ -7,8 +7,8 @@ use serde_json::json;
 use underbrush_recording::disk::write_trials;
 
 use super::overwrite::Overwrite;
-use crate::input::{self, TrialArguments};
-use crate::{Failure, output};
+use crate::options::TrialArguments;
+use crate::{Failure, input, output};
 
 /// Options of `underbrush trials`.
 #[derive(Args)]

@@ -1,14 +1,96 @@
-//! The options that choose the verdicts of a controller.
+//! Options about verdicts: how scores become verdicts, and which verdicts a controller is told.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use underbrush_classifier::{Decision, Rule, Scores};
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_sim::scene::limits::ALLOWED_FORCE_N;
 
 use crate::Failure;
-use crate::options::pair;
+use crate::options::{self, pair};
+
+/// How scores become verdicts.
+#[derive(Args, Serialize)]
+pub struct DecisionArguments {
+    /// How scores become verdicts [default: the model's own rule (train --false-positive-rate), or argmax if it has
+    /// none]
+    #[arg(long, value_enum)]
+    decision: Option<DecisionName>,
+    /// With `--decision uncertain`: margin of the best category below which a verdict is uncertain, nats [default: 15]
+    #[arg(long, alias = "lead", value_name = "NATS")]
+    margin: Option<f64>,
+    /// Prior of a category, such as leaf=0.7 [default: the model's own priors, or equal ones if it has none]
+    #[arg(long, value_name = "CATEGORY=P", value_parser = prior)]
+    prior: Vec<(String, f64)>,
+}
+
+#[derive(Clone, Copy, PartialEq, Serialize, ValueEnum)]
+enum DecisionName {
+    /// The best category
+    Argmax,
+    /// The best category, or uncertain below a margin
+    Uncertain,
+    /// The paper's thresholds: a category if the margin is above 80, an outlier from 15 to 80, uncertain below 15. Only
+    /// for Viterbi scores of hidden Markov models of unscaled force
+    Paper,
+}
+
+fn prior(text: &str) -> Result<(String, f64), String> {
+    pair(text, '=').ok_or_else(|| "must be CATEGORY=P, such as leaf=0.7".into())
+}
+
+/// The values of an option that is given for each category.
+///
+/// # Errors
+/// If it is given twice for one.
+fn by_category(option: &str, given: &[(String, f64)]) -> Result<BTreeMap<String, f64>, Failure> {
+    let mut values = BTreeMap::new();
+    for (category, value) in given {
+        if values.insert(category.clone(), *value).is_some() {
+            let text = format!("{option} is given twice for {category}; give it once for each category");
+            return Err(Failure::usage(text));
+        }
+    }
+    Ok(values)
+}
+
+impl DecisionArguments {
+    /// Refuses options that a touch model would ignore: these, and another one if it is given.
+    pub fn refuse_for_touch_model(&self, other: Option<String>) -> Result<(), Failure> {
+        let reason = "does not apply to a touch model, whose verdicts rest on probabilities; use --nothing-above, \
+                      --unknown-share and --cost-of-uncertain";
+        options::refuse(options::given(self).into_iter().chain(other), reason)
+    }
+
+    /// The decision for these scores.
+    ///
+    /// # Errors
+    /// If an option does not apply to these scores.
+    pub fn decision(&self, scores: &Scores) -> Result<Decision, Failure> {
+        if self.margin.is_some() && self.decision != Some(DecisionName::Uncertain) {
+            let text = "--margin applies to --decision uncertain only; add that, or leave --margin out";
+            return Err(Failure::usage(text));
+        }
+        let rule = match self.decision {
+            None => None,
+            Some(DecisionName::Argmax) => Some(Rule::Argmax),
+            Some(DecisionName::Uncertain) => Some(Rule::UncertainBelow { margin: self.margin.unwrap_or(15.0) }),
+            Some(DecisionName::Paper) => {
+                let refused = |error| Failure::usage(format!("--decision paper does not apply: {error}"));
+                Some(scores.paper().map_err(refused)?)
+            }
+        };
+        let mut decision = scores.decision(rule)?;
+        let prior = by_category("--prior", &self.prior)?;
+        if !prior.is_empty() {
+            decision.prior = prior;
+        }
+        Ok(decision)
+    }
+}
 
 /// What tells the controller what the skin touches.
 #[derive(Args)]
@@ -34,13 +116,10 @@ impl VerdictArguments {
     /// # Errors
     /// If the model cannot be read, or `--allow` names something twice or something that no verdict says.
     pub fn control(&self) -> Result<Option<VerdictControl>, Failure> {
-        let mut known = BTreeSet::new();
-        if let Some((twice, _)) = self.allow.iter().find(|(name, _)| !known.insert(name)) {
-            return Err(Failure::usage(format!("--allow is given twice for {twice}; give it once for each category")));
-        }
+        let allowed = by_category("--allow", &self.allow)?;
         match self.verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten() {
-            Some(control) => Ok(Some(control.with_asked(self.allow.clone())?)),
-            None if self.allow.is_empty() => Ok(None),
+            Some(control) => Ok(Some(control.with_asked(allowed)?)),
+            None if allowed.is_empty() => Ok(None),
             None => Err(Failure::usage("--allow needs verdicts; give --verdicts a touch model or `truth`")),
         }
     }

@@ -1,8 +1,6 @@
 //! `underbrush classify`: a verdict for each trial, or for each taxel in contact as frames come in.
 
-mod latency;
-mod of_contacts;
-mod of_frames;
+mod answers;
 mod online;
 
 use std::collections::BTreeMap;
@@ -17,13 +15,11 @@ use underbrush_classifier::online_model::OnlineModel;
 use underbrush_classifier::{OnlineOptions, ScoreKind, Scores};
 use underbrush_experiments::model_data;
 use underbrush_recording::disk::is_there;
-use underbrush_report::drawing::Rows;
 
 use super::touch::TouchDecisionArguments;
 use super::{DecisionArguments, score};
-use crate::input::{self, TrialArguments};
-use crate::options::named;
-use crate::{Failure, output};
+use crate::options::{TrialArguments, named};
+use crate::{Failure, input, output};
 
 /// Shown at the end of `underbrush classify --help`.
 const PROTOCOL: &str = "\
@@ -86,12 +82,6 @@ impl ClassifyOptions {
     fn reads_stdin(&self) -> bool {
         self.input == Path::new("-")
     }
-
-    /// Refuses options that a touch model would ignore.
-    fn refuse_for_touch(&self) -> Result<(), Failure> {
-        self.decision.refuse_for_touch_model(self.score.map(|_| "--score".to_owned()))?;
-        self.cut.refuse_for_touch_model()
-    }
 }
 
 /// Classifies.
@@ -108,7 +98,8 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
     }
     let model = match model {
         AnyModel::Touch(mut model) => {
-            options.refuse_for_touch()?;
+            options.decision.refuse_for_touch_model(options.score.map(|_| "--score".to_owned()))?;
+            options.cut.refuse_for_touch_model()?;
             model.decision = options.touch.over(model.decision);
             return online::run(&options, &OnlineModel::Touch(Arc::from(model)));
         }
@@ -118,7 +109,8 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
     if options.online || options.reads_stdin() {
         options.cut.refuse_online()?;
         let decision = options.decision.decision(&Scores::of_model(&model))?;
-        let settings = OnlineOptions { patch: options.cut.patch(), threshold_n: options.cut.threshold_n(), decision };
+        let settings =
+            OnlineOptions { patch: options.cut.patch.clone(), threshold_n: options.cut.threshold_n(), decision };
         return online::run(&options, &OnlineModel::OfTrials(Box::new(model), settings));
     }
     let categories = model.classifier.categories();
@@ -132,12 +124,9 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
         scores: categories.iter().cloned().zip(scores).collect(),
     });
     let verdicts: Vec<TrialVerdict> = verdicts.collect();
-    if json {
-        return output::result(true, &serde_json::json!({ "verdicts": verdicts }), String::new);
-    }
-    let rows = Rows::of(&verdicts)
-        .column("trial", |row| row.trial.to_string())
-        .column("verdict", |row| row.verdict.to_string())
-        .column("truth", |row| row.truth.clone().unwrap_or_default());
-    output::csv(rows)
+    output::csv(json, "verdicts", &verdicts, |rows| {
+        rows.column("trial", |row| row.trial.to_string())
+            .column("verdict", |row| row.verdict.to_string())
+            .column("truth", |row| row.truth.clone().unwrap_or_default())
+    })
 }

@@ -1,13 +1,45 @@
-//! Verdicts on taxels and contact regions, by a touch model.
+//! The answers to frames, one line of JSON each.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use underbrush_classifier::online::OnlineClassifier;
 use underbrush_classifier::touch::{ObjectReport, TouchClassifier};
 use underbrush_recording::{Frame, SkinLayout};
 
 use crate::{Failure, output};
 
+/// Verdicts on the contact of each taxel, by a classifier of trials.
+#[derive(Serialize)]
+struct ContactsLine<'a> {
+    time_s: f64,
+    taxels: Vec<ContactLine<'a>>,
+}
+
+#[derive(Serialize)]
+struct ContactLine<'a> {
+    taxel: usize,
+    samples: usize,
+    verdict: &'a str,
+    scores: BTreeMap<&'a str, f64>,
+}
+
+/// The answer of a classifier of trials to the next frame.
+pub(super) fn of_contacts(
+    classifier: &mut OnlineClassifier,
+    categories: &[String],
+    frame: &Frame,
+) -> Result<String, Failure> {
+    let taxels = classifier.update(frame)?.map(|taxel| ContactLine {
+        taxel: taxel.taxel,
+        samples: taxel.samples,
+        verdict: taxel.verdict.name(),
+        scores: categories.iter().map(String::as_str).zip(taxel.scores.iter().copied()).collect(),
+    });
+    output::json_line(&ContactsLine { time_s: frame.time_s, taxels: taxels.collect() })
+}
+
+/// Verdicts on taxels and contact regions, by a touch model.
 #[derive(Serialize)]
 struct FrameLine<'a> {
     time_s: f64,
@@ -46,8 +78,12 @@ struct RegionLine<'a> {
     share_beyond: f64,
 }
 
-/// The answer to the next frame: one line of JSON.
-pub(super) fn answer(classifier: &mut TouchClassifier, layout: &SkinLayout, frame: &Frame) -> Result<String, Failure> {
+/// The answer of a touch model to the next frame.
+pub(super) fn of_touch(
+    classifier: &mut TouchClassifier,
+    layout: &SkinLayout,
+    frame: &Frame,
+) -> Result<String, Failure> {
     classifier.update(frame)?;
     let categories = classifier.model().categories();
     let probabilities = |region: usize, factor: f64| -> BTreeMap<&str, f64> {
