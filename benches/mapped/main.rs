@@ -18,14 +18,16 @@
 use std::path::Path;
 use std::time::Instant;
 
+use nalgebra::{Matrix3, Vector3};
 use underbrush_experiments::verdict_controller::VerdictControl;
-use underbrush_recording::{Category, FRAME_PERIOD_S, MappedObstacle, Outcome, Recording};
+use underbrush_recording::{Category, FRAME_PERIOD_S, MappedObstacle, ObstacleKind, Outcome, Recording};
 use underbrush_sim::controller::mapped::arm_shapes::ArmShapes;
+use underbrush_sim::controller::mapped::map::{Map, Obstacle};
 use underbrush_sim::controller::mapped::planner::{BUDGET, Planner, length_rad};
-use underbrush_sim::controller::mapped::route::MARGIN_M;
 use underbrush_sim::controller::{
     Controller, ControllerInput, ControllerKind, ControllerOutput, Mapped, TaxelContact, Touched, Verdict,
 };
+use underbrush_sim::geometry::Capsule;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::{ProgressRule, Scene};
 use underbrush_sim::seed::stream;
@@ -121,7 +123,8 @@ fn plan(scene: &str, seed: u64, index: u64, name: &str, model: Option<&VerdictCo
         "known" => {
             let obstacles = plan.draw(index).unwrap().obstacles();
             let preset = plan.controller.preset().unwrap().clone();
-            plan.with_controller(move |arm| Box::new(Mapped::new(preset.clone(), arm).knowing(obstacles.clone())))
+            let map = Map { obstacles: obstacles.iter().map(known).collect() };
+            plan.with_controller(move |arm| Box::new(Mapped::new(preset.clone(), arm).knowing(map.clone())))
         }
         "truth" => VerdictControl::truth().applied_to(plan).unwrap(),
         "swapped" => {
@@ -131,6 +134,19 @@ fn plan(scene: &str, seed: u64, index: u64, name: &str, model: Option<&VerdictCo
         "model" => model?.applied_to(plan).unwrap(),
         _ => plan,
     })
+}
+
+/// An upright obstacle that a map knows exactly from the start.
+fn known(capsule: &Capsule) -> Obstacle {
+    Obstacle {
+        kind: ObstacleKind::Fixed,
+        mean_m: Vector3::new(capsule.end.x, capsule.end.y, capsule.radius_m),
+        covariance_m2: Matrix3::zeros(),
+        touched_height_m: capsule.start.z.max(capsule.end.z) + capsule.radius_m,
+        touched_s: f64::NEG_INFINITY,
+        is_known: true,
+        has_given_way: false,
+    }
 }
 
 /// Prints how the goals of a reach ended, and what pressed hard.
@@ -236,15 +252,7 @@ fn plans(seed: u64, count: u64, scenes: &[&str]) {
             let mut random = stream(seed, "plans", index, "planner");
             let mut from_rad = plan.arm.start_posture_rad();
             for goal in clutter.goals {
-                let mut planner = Planner {
-                    arm: &plan.arm,
-                    shapes: &shapes,
-                    obstacles: &obstacles,
-                    margin_m: MARGIN_M,
-                    forbidden: &[],
-                    budget: BUDGET,
-                    evaluations: 0,
-                };
+                let mut planner = Planner::new(&plan.arm, &shapes, &obstacles, BUDGET);
                 let begin = Instant::now();
                 let path = planner.plan(&from_rad, goal, &mut random);
                 let seconds = begin.elapsed().as_secs_f64();

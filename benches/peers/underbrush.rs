@@ -134,7 +134,7 @@ fn statics() -> Value {
     let force = DVec3::new(-3.0, 4.0, 5.0);
     push(&mut rig, wrist, force, DVec3::ZERO, settle);
     let arm = &rig.describe()[0];
-    let angles: Vec<f64> = arm.iter().flat_map(|link| &link.axes).map(|axis| axis.coordinate).collect();
+    let angles: Vec<f64> = arm.iter().flat_map(|link| &link.axes).map(|(_, own)| own.position).collect();
     json!({
         "step_s": options.step_s,
         "tip_body": tip.0,
@@ -218,26 +218,26 @@ fn arm(sweep: &Sweep, links: &[BodyId]) -> Value {
 }
 
 fn link(link: &LinkDescription) -> Value {
-    let axes = link.axes.iter().map(|axis| {
+    let axes = link.axes.iter().map(|(axis, own)| {
         json!({
-            "axis": axis.axis,
-            "coordinate": axis.coordinate,
-            "stiffness": axis.stiffness,
-            "rest": axis.rest,
-            "damping": axis.damping,
-            "armature": axis.armature,
-            "limits": axis.limits,
+            "axis": axis,
+            "coordinate": own.position,
+            "stiffness": own.spring.unrelaxed_stiffness(),
+            "rest": own.spring.rest,
+            "damping": own.spring.damping,
+            "armature": own.spring.armature,
+            "limits": own.stop.map(|stop| stop.limits_rad),
         })
     });
     json!({
         "body": link.body,
         "parent": link.parent,
         "fixed": link.fixed,
-        "pose_world": pose(&link.pose_world),
+        "pose_world": pose(&link.link.pose_world),
         "gravity_scale": link.gravity_scale,
-        "mass_kg": link.mass_kg,
-        "center_of_mass": link.center_of_mass_body.to_array(),
-        "inertia_kg_m2": link.inertia_body.to_cols_array(),
+        "mass_kg": link.link.mass_kg,
+        "center_of_mass": link.link.center_of_mass_link.to_array(),
+        "inertia_kg_m2": link.link.inertia_link.to_cols_array(),
         "joint_frame_parent": pose(&link.joint_frames[0]),
         "joint_frame_child": pose(&link.joint_frames[1]),
         "axes": axes.collect::<Vec<_>>(),

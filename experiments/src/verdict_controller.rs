@@ -12,8 +12,7 @@ use serde::Serialize;
 use underbrush_classifier::touch::{Touch, TouchClassifier, TouchModel};
 use underbrush_recording::{Dataset, Fault, Frame, InputError, JSON_BYTES, MappedObstacle, read_text};
 use underbrush_sim::controller::{
-    Allowance, AllowedForces, Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact, Touched,
-    Verdict,
+    AllowedForces, Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact, Touched, Verdict,
 };
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
@@ -237,13 +236,6 @@ impl VerdictController {
         };
         Some(Verdict { touched, probability })
     }
-
-    /// The contact with its verdict and its limit; `None` if nothing touches the taxel.
-    fn judged(&self, contact: &TaxelContact) -> Option<TaxelContact> {
-        let verdict = self.verdict(contact);
-        let allowance = verdict.as_ref().map_or(Allowance::Usual, |verdict| self.allowed.of(&verdict.touched));
-        Some(TaxelContact { verdict, ..allowance.apply(contact)? })
-    }
 }
 
 impl Controller for VerdictController {
@@ -265,7 +257,8 @@ impl Controller for VerdictController {
     }
 
     fn control(&mut self, input: &ControllerInput) -> ControllerOutput {
-        let contacts = input.contacts.iter().filter_map(|contact| self.judged(contact)).collect();
+        let judged = |contact| self.allowed.applied_to(contact, self.verdict(contact));
+        let contacts = input.contacts.iter().filter_map(judged).collect();
         self.inner.control(&ControllerInput { contacts, ..input.clone() })
     }
 }

@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use rayon::prelude::*;
-use underbrush_recording::Recording;
+use underbrush_recording::{Fault, Recording};
 
 use crate::reach::{ReachError, ReachPlan};
 
@@ -37,6 +37,15 @@ pub enum CampaignError {
         /// The engine's message.
         message: String,
     },
+}
+
+impl From<CampaignError> for Fault {
+    fn from(error: CampaignError) -> Self {
+        match error {
+            CampaignError::Reach(error) => error.into(),
+            CampaignError::Engine { .. } => Fault::Run(error.to_string()),
+        }
+    }
 }
 
 /// Runs the jobs on the threads of the current rayon pool, passes each recording, with the job's position, to `receive` as

@@ -1,30 +1,26 @@
 //! One reach: sense → control → record → step, goal after goal.
 
 use glam::DVec3;
-use underbrush_recording::{Frame, GoalRecord, MappedObstacle, Outcome, Recording, SafetyStop};
+use underbrush_recording::{Fault, Frame, GoalRecord, InputError, MappedObstacle, Outcome, Recording, SafetyStop};
 
 use crate::controller::Intent;
 use crate::simulation::Simulation;
 use back_off::{End, Way};
-pub use error::ReachError;
 use log::ReachLog;
+pub use log::ReachSoFar;
 use monitor::Monitor;
 pub use plan::{MakeController, PlannedController, ReachPlan};
 pub use rules::ReachRules;
-pub use so_far::ReachSoFar;
 pub(crate) use steering::Steering;
 
 mod back_off;
-mod error;
 mod log;
 mod monitor;
 mod plan;
 mod rules;
-mod so_far;
 mod steering;
 #[cfg(test)]
 mod tests;
-mod ways;
 
 /// What an observer sees in a frame.
 #[derive(Clone, Copy)]
@@ -42,6 +38,51 @@ pub type Observer<'a> = dyn FnMut(Observed) + 'a;
 
 /// Called in each frame; returns whether to abandon the reach.
 pub type Stop<'a> = dyn Fn() -> bool + 'a;
+
+/// Why a reach has no recording. How a reach ends, for example with an arm that is stuck, is data and not an error.
+#[derive(Debug, thiserror::Error)]
+pub enum ReachError {
+    /// The scene is impossible for this draw.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The caller stopped the reach.
+    #[error("the reach was stopped before its end")]
+    Stopped,
+    /// The controller returned the wrong number of equilibrium angles.
+    #[error(
+        "the controller {controller} returned {found} equilibrium angles for an arm with {expected} joints; return one \
+         angle per joint"
+    )]
+    EquilibriumAngles {
+        /// Name of the controller.
+        controller: String,
+        /// Number of angles that it returned.
+        found: usize,
+        /// Number of joints.
+        expected: usize,
+    },
+    /// A controller returned an angle that is no finite number.
+    #[error(
+        "the controller {controller} returned the equilibrium angle {found} for joint {joint}; return finite angles, rad"
+    )]
+    NoAngle {
+        /// Name of the controller.
+        controller: String,
+        /// Number of the joint, from 0.
+        joint: usize,
+        /// The angle.
+        found: f64,
+    },
+}
+
+impl From<ReachError> for Fault {
+    fn from(error: ReachError) -> Self {
+        match error {
+            ReachError::Input(input) => input.into(),
+            other => Fault::Run(other.to_string()),
+        }
+    }
+}
 
 /// A running reach.
 struct Reach<'a> {
@@ -94,7 +135,7 @@ impl<'a> Reach<'a> {
                 break;
             }
         }
-        Ok(self.log.finish(&self.plan.arm, self.steering.counts))
+        Ok(self.log.finish(&self.plan.arm))
     }
 
     /// Drives the end effector to a goal. An arm that gets stuck backs off and tries again, as often as the scene
@@ -143,9 +184,8 @@ impl<'a> Reach<'a> {
                 self.given_up = Some(reason.clone());
             }
             let mut frame = self.simulation.frame(goal.index as u16, goal.position_world);
-            // The controller sees what a robot knows of the frame.
-            self.steering.controller.observe(&frame.sensed());
-            self.steering.control(&self.simulation, target_world)?;
+            let answered = self.steering.control(&self.simulation, &frame, target_world)?;
+            self.log.auditor.observe_control(answered);
             let equilibrium_rad = &self.steering.equilibrium_rad;
             // The frame holds the angles that the arm is given now.
             frame.equilibrium_angle_rad.copy_from_slice(equilibrium_rad);

@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use rapier3d::prelude::*;
 use underbrush_recording::Pose as WorldPose;
 use underbrush_sim::arm::Arm;
-use underbrush_sim::dynamics::{Coordinate, Tree};
+use underbrush_sim::dynamics::{Coordinate, Link, Tree};
 use underbrush_sim::object::Object;
 use underbrush_sim::object::foam_block::FoamBlock;
 use underbrush_sim::object::leaf::Leaf;
@@ -166,12 +166,13 @@ fn stacked(links: &[LinkDescription]) -> Vec<LinkDescription> {
     for link in links {
         let mut own = link.clone();
         own.parent = link.parent.map(|parent| place[parent]);
-        if let [first, second] = own.axes[..]
-            && first.axis >= 3
+        if let [(first, _), _] = own.axes[..]
+            && first >= 3
         {
             let mut between = own.clone();
-            (between.mass_kg, between.inertia_body, between.axes) = (0.0, DMat3::ZERO, vec![first]);
-            (own.parent, own.joint_frames[0], own.axes) = (Some(stacked.len()), own.joint_frames[1], vec![second]);
+            (between.link.mass_kg, between.link.inertia_link) = (0.0, DMat3::ZERO);
+            own.axes = between.axes.split_off(1);
+            (own.parent, own.joint_frames[0]) = (Some(stacked.len()), own.joint_frames[1]);
             stacked.push(between);
         }
         place.push(stacked.len());
@@ -202,23 +203,24 @@ impl Peer {
         let mut handles: Vec<RigidBodyHandle> = Vec::new();
         let mut joint = MultibodyJointHandle::invalid();
         let mut axes = Vec::new();
-        for (index, link) in links.iter().enumerate() {
-            let builder = if link.fixed { RigidBodyBuilder::fixed() } else { RigidBodyBuilder::dynamic() };
-            let body = builder.pose(pose(&link.pose_world)).gravity_scale(link.gravity_scale).can_sleep(false);
+        for (index, own) in links.iter().enumerate() {
+            let builder = if own.fixed { RigidBodyBuilder::fixed() } else { RigidBodyBuilder::dynamic() };
+            let body = builder.pose(pose(&own.link.pose_world)).gravity_scale(own.gravity_scale).can_sleep(false);
             // The mass is that of a shape that touches nothing: added to the body itself, its axes might be changed.
-            let shape =
-                ColliderBuilder::ball(1e-3).mass_properties(mass(link)).collision_groups(InteractionGroups::none());
+            let shape = ColliderBuilder::ball(1e-3)
+                .mass_properties(mass(&own.link))
+                .collision_groups(InteractionGroups::none());
             let (body, _) = world.insert(body, shape);
-            if let Some(parent) = link.parent {
-                let free = link.axes.iter().fold(JointAxesMask::empty(), |mask, axis| {
-                    mask | JointAxesMask::from_bits_truncate(1 << axis.axis)
+            if let Some(parent) = own.parent {
+                let free = own.axes.iter().fold(JointAxesMask::empty(), |mask, (axis, _)| {
+                    mask | JointAxesMask::from_bits_truncate(1 << *axis)
                 });
                 let mut data = GenericJoint::new(JointAxesMask::all().difference(free));
-                data.set_local_frame1(pose(&link.joint_frames[0])).set_local_frame2(pose(&link.joint_frames[1]));
+                data.set_local_frame1(pose(&own.joint_frames[0])).set_local_frame2(pose(&own.joint_frames[1]));
                 if let Some(handle) = world.multibody_joints.insert(handles[parent], body, data, true) {
                     joint = handle;
                 }
-                axes.extend(link.axes.iter().map(|axis| (index, axis.axis)));
+                axes.extend(own.axes.iter().map(|(axis, _)| (index, *axis)));
             }
             handles.push(body);
         }
@@ -236,13 +238,13 @@ impl Peer {
         tree.forward_kinematics(&self.world.bodies, true);
         let described = links.iter().flat_map(|link| &link.axes);
         let mut displacement = vec![0.0; tree.ndofs()];
-        for (degree, (axis, (link, _))) in described.zip(&self.axes).enumerate() {
+        for (degree, ((axis, own), (link, _))) in described.zip(&self.axes).enumerate() {
             if let Some(link) = tree.link_mut(*link) {
-                link.joint.set_spring(axis.axis, axis.stiffness, axis.rest);
+                link.joint.set_spring(*axis, own.spring.unrelaxed_stiffness(), own.spring.rest);
             }
-            tree.damping_mut()[degree] = axis.damping;
-            tree.armature_mut()[degree] = axis.armature;
-            displacement[degree] = axis.coordinate;
+            tree.damping_mut()[degree] = own.spring.damping;
+            tree.armature_mut()[degree] = own.spring.armature;
+            displacement[degree] = own.position;
         }
         tree.apply_displacements(&displacement);
         tree.forward_kinematics(&self.world.bodies, true);
@@ -277,15 +279,15 @@ fn pose(pose: &WorldPose) -> Pose {
 
 /// Mass and inertia. The smallest principal moment comes first: where Rapier's library takes moments for equal, it gives
 /// the first axis the smallest.
-fn mass(link: &LinkDescription) -> MassProperties {
-    let inertia = Matrix3::from_column_slice(&link.inertia_body.to_cols_array());
+fn mass(link: &Link) -> MassProperties {
+    let inertia = Matrix3::from_column_slice(&link.inertia_link.to_cols_array());
     let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(inertia);
     let mut order = [0, 1, 2];
     order.sort_by(|first, second| eigenvalues[*first].total_cmp(&eigenvalues[*second]));
     let [first, second, third] = order.map(|own| DVec3::from_slice(eigenvectors.column(own).as_slice()));
     let third = if first.cross(second).dot(third) < 0.0 { -third } else { third };
     MassProperties::with_principal_inertia_frame(
-        link.center_of_mass_body,
+        link.center_of_mass_link,
         link.mass_kg,
         DVec3::from_array(order.map(|own| eigenvalues[own])).max(DVec3::ZERO),
         DQuat::from_mat3(&DMat3::from_cols(first, second, third)).normalize(),

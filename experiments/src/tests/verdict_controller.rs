@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use underbrush_classifier::touch::{REGION_FEATURE_COUNT, TAXEL_FEATURE_COUNT, TOUCH_FORMAT, Touch};
 use underbrush_recording::{Frame, Recording};
 use underbrush_sim::controller::{
-    Allowance, AllowedForces, Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact, Touched,
+    AllowedForces, Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact, Touched, Verdict,
 };
 use underbrush_sim::{Arm, ReachPlan, Scene};
 
@@ -101,16 +101,26 @@ fn each_verdict_has_its_limit() {
         categories_n: [("leaf".to_owned(), 7.0), ("trunk".to_owned(), 2.0)].into(),
         unknown_n: Some(1.25),
     };
+    let (_, usual) = run(None);
+    let limited = TaxelContact { allowed_force_n: Some(3.5), ..usual[0].clone() };
     for (touched, expected) in [
-        (Touched::Nothing, Allowance::Ignored),
-        (Touched::Category("grass".into()), Allowance::Usual),
-        (Touched::Category("leaf".into()), Allowance::AtMost(7.0)),
-        (Touched::Category("trunk".into()), Allowance::AtMost(2.0)),
-        (Touched::Uncertain, Allowance::Usual),
-        (Touched::Unknown, Allowance::AtMost(1.25)),
+        (Touched::Nothing, None),
+        (Touched::Category("grass".into()), Some(3.5)),
+        (Touched::Category("leaf".into()), Some(7.0)),
+        (Touched::Category("trunk".into()), Some(2.0)),
+        (Touched::Uncertain, Some(3.5)),
+        (Touched::Unknown, Some(1.25)),
     ] {
-        assert_eq!(allowed.of(&touched), expected, "{touched:?}");
+        let verdict = Some(Verdict { touched, probability: 0.9 });
+        let judged = allowed.applied_to(&limited, verdict.clone());
+        let expected = expected.map(|limit_n| TaxelContact {
+            allowed_force_n: Some(limit_n),
+            verdict: verdict.clone(),
+            ..limited.clone()
+        });
+        assert_eq!(judged, expected, "{verdict:?}");
     }
+    assert_eq!(allowed.applied_to(&limited, None), Some(limited));
 }
 
 /// Tests which contacts the inner controller is given in a whole reach, for models that always give the same verdict.

@@ -151,16 +151,12 @@ impl EnergyBalance {
         sums.actuators_j += work_j;
         sums.exchanged_j += work_j.abs();
         let last = &self.last;
+        let change = |index: usize, link: &LinkState| {
+            let before = &last.links[index];
+            (link.velocity_world - before.velocity_world, link.angular_velocity_world - before.angular_velocity_world)
+        };
         // Twice the kinetic energy is vᵀ M v.
-        sums.integrator_j += 2.0
-            * damps
-            * self.now.kinetic_energy_j(arm, |index, link| {
-                let before = &last.links[index];
-                (
-                    link.velocity_world - before.velocity_world,
-                    link.angular_velocity_world - before.angular_velocity_world,
-                )
-            });
+        sums.integrator_j += 2.0 * damps * self.now.kinetic_energy_j(arm, change);
         for contact in step.contacts {
             let place = |state: &ArmState| state.links[contact.link].pose.transform_point(contact.position_link);
             let mean_force_world = contact.force_world * (FRAME_PERIOD_S / step_s);

@@ -9,6 +9,7 @@ mod tests;
 
 use crate::arm::Arm;
 use crate::arm::skin::reach_m;
+use crate::controller::ControlStatus;
 use crate::simulation::{Contact, FrameReport, Simulation, StepReport};
 use energy::EnergyBalance;
 
@@ -144,6 +145,13 @@ impl Auditor {
             integrator_energy_share: share(sums.integrator_j),
             ..self.audit
         }
+    }
+
+    /// Observes how a controller answered in a frame, if it was called.
+    pub fn observe_control(&mut self, answered: Option<ControlStatus>) {
+        self.audit.controller_steps += u32::from(answered.is_some());
+        self.audit.infeasible_controller_steps += u32::from(answered == Some(ControlStatus::Infeasible));
+        self.audit.failed_controller_steps += u32::from(answered == Some(ControlStatus::Failed));
     }
 
     /// Observes an engine step with its contacts.

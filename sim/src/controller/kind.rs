@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
+use underbrush_recording::Fault;
 
 use super::{Controller, Mapped, ModelPredictive, Preset};
 use crate::arm::Arm;
@@ -32,29 +33,30 @@ pub enum ControllerKind {
     Mapped,
 }
 
-/// The list of names.
-const NAMED: [(&str, ControllerKind); 4] = [
-    ("cody-2013", ControllerKind::Cody2013),
-    ("ijrr-foliage", ControllerKind::IjrrFoliage),
-    ("blind", ControllerKind::Blind),
-    ("mapped", ControllerKind::Mapped),
-];
+/// The list of them.
+const ALL: [ControllerKind; 4] =
+    [ControllerKind::Cody2013, ControllerKind::IjrrFoliage, ControllerKind::Blind, ControllerKind::Mapped];
 
 /// The error for an unknown name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown controller `{0}`, expected one of {list}", list = ControllerKind::names().join(", "))]
 pub struct UnknownController(String);
 
+impl From<UnknownController> for Fault {
+    fn from(error: UnknownController) -> Self {
+        Fault::Usage(error.to_string())
+    }
+}
+
 impl ControllerKind {
     /// Names of all controllers in scene files and recordings.
-    pub fn names() -> [&'static str; NAMED.len()] {
-        NAMED.map(|(name, _)| name)
+    pub fn names() -> [&'static str; ALL.len()] {
+        ALL.map(ControllerKind::name)
     }
 
     /// Its name.
     pub fn name(self) -> &'static str {
-        let named = NAMED.iter().find(|(_, kind)| *kind == self);
-        named.map_or("", |(name, _)| name)
+        self.preset().name
     }
 
     /// The controller with this name.
@@ -62,8 +64,8 @@ impl ControllerKind {
     /// # Errors
     /// When there is none.
     pub fn from_name(name: &str) -> Result<ControllerKind, UnknownController> {
-        let named = NAMED.iter().find(|(other, _)| *other == name);
-        named.map(|(_, kind)| *kind).ok_or_else(|| UnknownController(name.to_string()))
+        let named = ALL.into_iter().find(|kind| kind.name() == name);
+        named.ok_or_else(|| UnknownController(name.to_string()))
     }
 
     /// Its parameters: those that were published, or those that it shares with a published controller.

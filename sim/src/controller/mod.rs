@@ -1,7 +1,11 @@
 //! Controllers: from joint state, skin and goal to new equilibrium angles, once per control period.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
 use glam::DVec3;
 use nalgebra::Matrix3xX;
+use serde::{Deserialize, Serialize};
 use underbrush_recording::{Frame, MappedObstacle, Pose};
 
 mod kind;
@@ -9,13 +13,11 @@ pub mod mapped;
 pub mod model_predictive;
 pub mod preset;
 pub mod quadratic_program;
-mod verdict;
 
 pub use kind::{ControllerKind, UnknownController};
 pub use mapped::Mapped;
 pub use model_predictive::ModelPredictive;
 pub use preset::Preset;
-pub use verdict::{Allowance, AllowedForces, Touched, Verdict};
 
 /// The input of a controller at one instant. There are n joints; Jacobians are 3 × n in the world frame.
 #[derive(Clone, Debug)]
@@ -57,6 +59,73 @@ pub struct TaxelContact {
     pub allowed_force_n: Option<f64>,
     /// What touches the taxel, if something judges it.
     pub verdict: Option<Verdict>,
+}
+
+/// What touches a taxel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Touched {
+    /// Nothing: a spurious reading.
+    Nothing,
+    /// An object of the category with this name.
+    Category(Arc<str>),
+    /// An object of a known category, but it is not yet certain which.
+    Uncertain,
+    /// An object unlike all known categories.
+    Unknown,
+}
+
+impl Touched {
+    /// Its name: `nothing`, a category, `uncertain` or `unknown`.
+    pub fn name(&self) -> &str {
+        match self {
+            Touched::Nothing => "nothing",
+            Touched::Category(name) => name,
+            Touched::Uncertain => "uncertain",
+            Touched::Unknown => "unknown",
+        }
+    }
+}
+
+/// A judgement of a contact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// What touches the taxel.
+    pub touched: Touched,
+    /// How probable that is; of an uncertain verdict, the probability of the likeliest category.
+    pub probability: f64,
+}
+
+/// How hard the arm may press on which objects, N. The controller's own limit holds for everything else.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AllowedForces {
+    /// The limits by the name of a category, N.
+    pub categories_n: BTreeMap<String, f64>,
+    /// The limit on objects unlike all known categories, N, if they have one.
+    pub unknown_n: Option<f64>,
+}
+
+impl Default for AllowedForces {
+    /// 6 N on leaves, twice the 3 N of `cody-2013`. A leaf bends away before a taxel feels as much (5.4 N at most in 14
+    /// mixed reaches), so this limit hardly ever holds the arm back. 1.5 N on trunks, half of the
+    /// limit of `cody-2013`. This limit must be above 1 N, the force at which the controller begins to take a reading
+    /// for a contact, because the force of a contact over its limit may not rise at all.
+    fn default() -> Self {
+        AllowedForces { categories_n: [("leaf".to_owned(), 6.0), ("trunk".to_owned(), 1.5)].into(), unknown_n: None }
+    }
+}
+
+impl AllowedForces {
+    /// The contact with this verdict, and with the limit that the verdict gives, if it gives one; `None` if nothing touches the
+    /// taxel.
+    pub fn applied_to(&self, contact: &TaxelContact, verdict: Option<Verdict>) -> Option<TaxelContact> {
+        let limit_n = match verdict.as_ref().map(|verdict| &verdict.touched) {
+            Some(Touched::Nothing) => return None,
+            Some(Touched::Category(name)) => self.categories_n.get(&**name).copied(),
+            Some(Touched::Unknown) => self.unknown_n,
+            Some(Touched::Uncertain) | None => None,
+        };
+        Some(TaxelContact { allowed_force_n: limit_n.or(contact.allowed_force_n), verdict, ..contact.clone() })
+    }
 }
 
 /// A controller's answer.

@@ -212,9 +212,7 @@ impl Episode {
                     let offset = glam::DVec3::new(cut(action[0]), cut(action[1]), cut(action[2]));
                     let target = here + offset * options.largest_waypoint_m;
                     let frame = self.simulation.frame(self.goal as u16, self.goal_world());
-                    // The controller sees what a robot knows of the frame.
-                    self.steering.controller.observe(&frame.sensed());
-                    self.steering.control(&self.simulation, target)?;
+                    self.steering.control(&self.simulation, &frame, target)?;
                 }
             }
             let tactile = &self.simulation.step(&self.steering.equilibrium_rad).tactile;

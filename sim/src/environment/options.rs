@@ -80,11 +80,9 @@ impl EnvironmentOptions {
     /// # Errors
     /// [`InputError`] names the first that is not.
     pub fn check(&self) -> Result<(), InputError> {
-        match first_outside(self.numbers().into_iter().chain(self.reward.numbers())) {
-            None => Ok(()),
-            Some((field, found, allowed)) => {
-                Err(InputError::new("the environment", field, found, allowed, "change the option"))
-            }
-        }
+        let outside = first_outside(self.numbers().into_iter().chain(self.reward.numbers()));
+        outside.map_or(Ok(()), |(field, found, allowed)| {
+            Err(InputError::new("the environment", field, found, allowed, "change the option"))
+        })
     }
 }

@@ -205,6 +205,11 @@ impl Spring {
     pub fn elastic(stiffness: f64, damping: f64) -> Self {
         Spring { stiffness, damping, ..Spring::default() }
     }
+
+    /// Stiffness before the branch has relaxed.
+    pub fn unrelaxed_stiffness(&self) -> f64 {
+        self.stiffness + self.maxwell.map_or(0.0, |branch| branch.stiffness)
+    }
 }
 
 /// The Maxwell branch of a standard linear solid: a spring in series with a dashpot, both parallel to the elastic

@@ -1,14 +1,16 @@
-//! The recording of a reach, frame by frame.
+//! The recording of a reach, frame by frame: of a running reach by itself, and for observers.
 
-use underbrush_recording::{Audit, FRAME_PERIOD_S, Frame, MappedObstacle, Recording};
+use std::collections::BTreeMap;
 
+use glam::DVec3;
+use underbrush_recording::{Audit, Contact, FRAME_PERIOD_S, Frame, MappedObstacle, Recording};
+
+use super::Observed;
 use super::plan::ReachPlan;
-use super::steering::ControlCounts;
 use crate::arm::Arm;
 use crate::audit::Auditor;
 use crate::body_log::BodyLog;
-use crate::contact_log::ContactLog;
-use crate::simulation::Simulation;
+use crate::simulation::{ContactPair, Simulation};
 
 /// The recording of a running reach.
 #[derive(Clone)]
@@ -17,7 +19,7 @@ pub(super) struct ReachLog {
     pub(super) recording: Recording,
     contacts: ContactLog,
     bodies: BodyLog,
-    /// Audits every frame, and every engine step that it is shown.
+    /// Audits every frame, and every engine step and answer of the controller that it is shown.
     pub(super) auditor: Auditor,
     has_contact_points: bool,
 }
@@ -60,21 +62,11 @@ impl ReachLog {
         &frames[frames.len() - 1]
     }
 
-    /// The recording so far, without audit.
-    pub(super) fn so_far(&self, arm: &Arm) -> Recording {
-        Recording { audit: Audit::default(), ..self.clone().finish(arm, ControlCounts::default()) }
-    }
-
     /// The finished recording.
-    pub(super) fn finish(mut self, arm: &Arm, control: ControlCounts) -> Recording {
+    pub(super) fn finish(mut self, arm: &Arm) -> Recording {
         self.recording.bodies = self.bodies.finish();
         self.recording.contacts = self.contacts.finish(|link| arm.links[usize::from(link)].name.clone());
-        self.recording.audit = Audit {
-            controller_steps: control.steps,
-            infeasible_controller_steps: control.infeasible,
-            failed_controller_steps: control.failed,
-            ..self.auditor.audit()
-        };
+        self.recording.audit = self.auditor.audit();
         self.recording
     }
 }
@@ -93,5 +85,129 @@ fn observe_map(obstacles: &mut Vec<MappedObstacle>, frame: usize, now: &[MappedO
             Some(own) => own.last_frame = frame,
             None => obstacles.push(MappedObstacle { first_frame: frame, last_frame: frame, ..*obstacle }),
         }
+    }
+}
+
+/// Follows which part of the arm touches which object, frame by frame.
+#[derive(Clone, Default)]
+struct ContactLog {
+    open: BTreeMap<ContactPair, Course>,
+    closed: Vec<(ContactPair, Course)>,
+}
+
+/// One contact so far.
+#[derive(Clone)]
+struct Course {
+    first_frame: u32,
+    last_frame: u32,
+    peak_force_n: f64,
+    force_sum_n: f64,
+}
+
+impl ContactLog {
+    /// Adds the forces between the pairs that touch in one frame, N.
+    fn observe(&mut self, frame: u32, pairs: &[(ContactPair, DVec3)]) {
+        for (pair, force) in pairs {
+            let force_n = force.length();
+            let course = self.open.entry(*pair).or_insert(Course {
+                first_frame: frame,
+                last_frame: frame,
+                peak_force_n: 0.0,
+                force_sum_n: 0.0,
+            });
+            course.last_frame = frame;
+            course.peak_force_n = course.peak_force_n.max(force_n);
+            course.force_sum_n += force_n;
+        }
+        self.closed.extend(self.open.extract_if(.., |_, course| course.last_frame < frame));
+    }
+
+    /// All contacts with objects, including those still open, sorted by first frame, then patch, link and object.
+    fn finish(mut self, link_name: impl Fn(u16) -> String) -> Vec<Contact> {
+        self.closed.extend(self.open);
+        self.closed.sort_by_key(|(pair, course)| (course.first_frame, *pair));
+        let contact = |(pair, course): (ContactPair, Course)| {
+            Some(Contact {
+                link: link_name(pair.link),
+                patch: pair.patch,
+                object: pair.object?,
+                first_frame: course.first_frame,
+                last_frame: course.last_frame,
+                peak_force_n: course.peak_force_n,
+                mean_force_n: course.force_sum_n / f64::from(course.last_frame - course.first_frame + 1),
+            })
+        };
+        self.closed.into_iter().filter_map(contact).collect()
+    }
+}
+
+/// Follows a reach as its observer, and gives the recording so far at any time.
+///
+/// It has the frames, poses, contacts and the map. It has no goals, because they are known only when they have ended, and its
+/// audit is empty. The recording that [`ReachPlan::run`] returns has everything.
+pub struct ReachSoFar<'a> {
+    plan: &'a ReachPlan,
+    reach_index: u64,
+    log: Option<ReachLog>,
+}
+
+impl<'a> ReachSoFar<'a> {
+    /// An empty recording of reach number `reach_index` of a plan.
+    pub fn new(plan: &'a ReachPlan, reach_index: u64) -> Self {
+        ReachSoFar { plan, reach_index, log: None }
+    }
+
+    /// Adds a frame. Must be called for every frame, from the first on.
+    pub fn observe(&mut self, Observed { simulation, frame, map }: Observed) {
+        let begin = || ReachLog::new(self.plan, &self.plan.controller_name(), self.reach_index, simulation);
+        self.log.get_or_insert_with(begin).record(simulation, frame.clone(), map);
+    }
+
+    /// The recording so far; `None` before the first frame.
+    pub fn recording(&self) -> Option<Recording> {
+        let log = self.log.clone()?;
+        Some(Recording { audit: Audit::default(), ..log.finish(&self.plan.arm) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PAIR: ContactPair = ContactPair { patch: Some(0), link: 2, object: Some(3) };
+
+    fn link_name(link: u16) -> String {
+        format!("link {link}")
+    }
+
+    /// Tests that a contact which breaks and returns gives two rows, each with the peak and the mean over its own
+    /// frames.
+    #[test]
+    fn a_broken_contact_is_two() {
+        let mut log = ContactLog::default();
+        let pressed = |force: f64| [(PAIR, DVec3::X * force)];
+        log.observe(5, &pressed(1.0));
+        log.observe(6, &pressed(3.0));
+        log.observe(7, &[]);
+        log.observe(8, &pressed(2.0));
+        let contacts = log.finish(link_name);
+        let summary: Vec<_> =
+            contacts.iter().map(|c| (c.first_frame, c.last_frame, c.peak_force_n, c.mean_force_n)).collect();
+        assert_eq!(summary, [(5, 6, 3.0, 2.0), (8, 8, 2.0, 2.0)]);
+    }
+
+    /// Tests that an object on two bare links gives two contacts, each with the name of its link, and that contacts
+    /// with the same first frame are sorted by patch, link and object.
+    #[test]
+    fn contacts_name_their_links() {
+        let bare = |link, object| ContactPair { patch: None, link, object: Some(object) };
+        let pairs = [PAIR, bare(4, 1), bare(1, 3), bare(4, 0)];
+        let mut log = ContactLog::default();
+        log.observe(0, &pairs.map(|pair| (pair, DVec3::X)));
+        let contacts = log.finish(link_name);
+        let places: Vec<_> =
+            contacts.iter().map(|contact| (contact.patch, contact.link.as_str(), contact.object)).collect();
+        let expected = [(None, "link 1", 3), (None, "link 4", 0), (None, "link 4", 1), (Some(0), "link 2", 3)];
+        assert_eq!(places, expected);
     }
 }

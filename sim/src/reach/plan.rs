@@ -7,7 +7,10 @@ use underbrush_recording::{InputError, Recording};
 
 use super::{Observer, Reach, ReachError, ReachRules, Stop};
 use crate::arm::{Arm, ArmAtStart};
+use crate::controller::mapped::arm_shapes::ArmShapes;
+use crate::controller::mapped::planner::{BUDGET, NoWay, Planner};
 use crate::controller::{Controller, ControllerKind, Preset};
+use crate::seed::stream;
 use crate::sensor::Sensor;
 use crate::simulation::{Setup, Simulation};
 use crate::{Clutter, Scene};
@@ -40,6 +43,9 @@ pub struct ReachPlan {
     /// The campaign's seed.
     pub seed: u64,
 }
+
+/// Postures that may be evaluated for a goal to find a way to it: four times as many as a controller's plan may take.
+const WAYS_BUDGET: usize = 4 * BUDGET;
 
 /// A function that makes a controller for an arm.
 pub type MakeController = Arc<dyn Fn(&Arm) -> Box<dyn Controller> + Send + Sync>;
@@ -176,5 +182,23 @@ impl ReachPlan {
     /// As [`ReachPlan::run`], and [`ReachError::Stopped`].
     pub fn run_until(&self, reach_index: u64, observer: &mut Observer, stop: &Stop) -> Result<Recording, ReachError> {
         Reach::new(self, self.simulation(reach_index)?, reach_index, stop).run(observer)
+    }
+
+    /// For each goal of a reach, whether the whole arm has a way to it from its start posture, round all fixed obstacles
+    /// and above the floor. The way from goal to goal exists if both have one. Found ways are certain; that there is none
+    /// is as sure as a long search in vain.
+    ///
+    /// # Errors
+    /// When the scene is impossible for this draw.
+    pub fn ways(&self, reach_index: u64) -> Result<Vec<Result<(), NoWay>>, InputError> {
+        let clutter = self.draw(reach_index)?;
+        let shapes = ArmShapes::new(&self.arm, self.scene.floor_height_m());
+        let (start_rad, obstacles) = (self.arm.start_posture_rad(), clutter.obstacles());
+        let mut random = stream(self.seed, &self.scene.stream, reach_index, "ways");
+        let way = |goal| {
+            let mut planner = Planner::new(&self.arm, &shapes, &obstacles, WAYS_BUDGET);
+            planner.any_path(&start_rad, goal, &mut random).map(|_| ())
+        };
+        Ok(clutter.goals.iter().copied().map(way).collect())
     }
 }

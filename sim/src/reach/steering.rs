@@ -1,9 +1,9 @@
 //! The controller within a reach: when it is called, its input, and its answers.
 
 use glam::DVec3;
-use underbrush_recording::{FRAME_PERIOD_S, TaxelReading};
+use underbrush_recording::{FRAME_PERIOD_S, Frame, TaxelReading};
 
-use super::error::ReachError;
+use super::ReachError;
 use super::plan::ReachPlan;
 use crate::controller::{ControlStatus, Controller, ControllerInput, Intent, TaxelContact, Touched, Verdict};
 use crate::{PlacedObject, Simulation};
@@ -17,15 +17,6 @@ pub(crate) struct Steering {
     pub(crate) equilibrium_rad: Vec<f64>,
     /// What the controller said that it is about to do.
     pub(super) intent: Intent,
-    pub(super) counts: ControlCounts,
-}
-
-/// How often the controller was called, and with what result.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ControlCounts {
-    pub(super) steps: u32,
-    pub(super) infeasible: u32,
-    pub(super) failed: u32,
 }
 
 impl Steering {
@@ -36,18 +27,25 @@ impl Steering {
             has_true_verdicts: plan.has_true_verdicts,
             equilibrium_rad: plan.arm.start_posture_rad(),
             intent: Intent::default(),
-            counts: ControlCounts::default(),
         }
     }
 
-    /// Calls the controller if it is due in this frame, and applies the equilibrium angles that it returns.
+    /// Shows the present frame to the controller, calls it if it is due, and applies the equilibrium angles that it returns.
+    /// Returns how it obtained them, if it was called.
     ///
     /// # Errors
-    /// [`ReachError::EquilibriumAngles`].
-    pub(crate) fn control(&mut self, simulation: &Simulation, goal_position_world: DVec3) -> Result<(), ReachError> {
+    /// [`ReachError::EquilibriumAngles`] and [`ReachError::NoAngle`].
+    pub(crate) fn control(
+        &mut self,
+        simulation: &Simulation,
+        frame: &Frame,
+        goal_position_world: DVec3,
+    ) -> Result<Option<ControlStatus>, ReachError> {
+        // The controller sees what a robot knows of the frame.
+        self.controller.observe(&frame.sensed());
         let (arm, report) = (simulation.arm(), simulation.report());
         if !is_due(report.frame, self.controller.rate_hz()) {
-            return Ok(());
+            return Ok(None);
         }
         let joint_angle_rad = report.joint_angle_rad();
         // A robot knows its pose from its encoders, so the controller gets the poses that follow from the joint angles.
@@ -74,40 +72,29 @@ impl Steering {
                 }
             })
             .collect();
+        let end_effector_jacobian =
+            arm.position_jacobian(&link_poses, arm.end_effector_link, end_effector_pose_world.position);
         let output = self.controller.control(&ControllerInput {
             joint_angle_rad,
             joint_velocity_rad_per_s: report.joint_velocity_rad_per_s(),
             equilibrium_angle_rad: self.equilibrium_rad.clone(),
             end_effector_pose_world,
-            end_effector_jacobian: arm.position_jacobian(
-                &link_poses,
-                arm.end_effector_link,
-                end_effector_pose_world.position,
-            ),
+            end_effector_jacobian,
             goal_position_world,
             contacts,
         });
+        let controller = || self.controller.name().to_owned();
         let (found, expected) = (output.equilibrium_angle_rad.len(), arm.joints.len());
         if found != expected {
-            return Err(ReachError::EquilibriumAngles {
-                controller: self.controller.name().to_owned(),
-                found,
-                expected,
-            });
+            return Err(ReachError::EquilibriumAngles { controller: controller(), found, expected });
         }
         let mut angles = output.equilibrium_angle_rad.iter().enumerate();
         if let Some((joint, found)) = angles.find(|(_, angle)| !angle.is_finite()) {
-            return Err(ReachError::NoAngle { controller: self.controller.name().to_owned(), joint, found: *found });
-        }
-        self.counts.steps += 1;
-        match output.status {
-            ControlStatus::Solved => {}
-            ControlStatus::Infeasible => self.counts.infeasible += 1,
-            ControlStatus::Failed => self.counts.failed += 1,
+            return Err(ReachError::NoAngle { controller: controller(), joint, found: *found });
         }
         self.equilibrium_rad = output.equilibrium_angle_rad;
         self.intent = output.intent;
-        Ok(())
+        Ok(Some(output.status))
     }
 }
 

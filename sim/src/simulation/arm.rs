@@ -4,7 +4,8 @@ use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Pose as WorldPose;
 
-use super::{Engine, JointState, PlacedLink, Solid, groups};
+use super::mount::arm_groups;
+use super::{Engine, JointState, PlacedLink, Solid};
 use crate::arm::Arm;
 use crate::dynamics::Tree;
 use crate::geometry::parry_pose;
@@ -24,16 +25,11 @@ impl ArmBodies {
     pub(super) fn insert(arm: &Arm, posture_rad: &[f64], engine: &mut Engine) -> ArmBodies {
         let mut solids = Vec::new();
         for (link, own) in arm.links.iter().enumerate() {
+            let surface = arm.surface(link);
             for part in &own.colliders {
                 let placed = part.placed(&WorldPose::IDENTITY);
                 let shape = ColliderBuilder::new(placed.shape).position(parry_pose(&placed.pose));
-                solids.push(Solid {
-                    link,
-                    shape,
-                    groups: groups::arm(),
-                    surface: arm.surface(link),
-                    part: link as u16,
-                });
+                solids.push(Solid { link, shape, groups: arm_groups(), surface, part: link as u16 });
             }
         }
         let slot = engine.scene.insert(Tree::of_arm(arm, posture_rad), solids);
@@ -53,7 +49,7 @@ impl ArmBodies {
     /// A spring has no torque limit, so each rest angle is kept where |K (φ − q)| is within the limit at the present angle
     /// q. Call it before every step, even if φ stays the same, so that the limit holds while q changes.
     pub(super) fn set_equilibrium(&self, arm: &Arm, equilibrium_angle_rad: &[f64], engine: &mut Engine) {
-        let coordinates = engine.tree_mut(self.slot).coordinates.iter_mut();
+        let coordinates = engine.scene.tree_mut(self.slot).coordinates.iter_mut();
         for ((own, joint), target) in coordinates.zip(&arm.joints).zip(equilibrium_angle_rad) {
             let reach = joint.torque_limit_nm / joint.stiffness_nm_per_rad;
             // `clamp` would panic if the engine has diverged and the angle is not a number; this passes NaN on.
@@ -62,29 +58,15 @@ impl ArmBodies {
         }
     }
 
-    /// Sets the joint velocities q̇, rad/s.
-    pub(super) fn set_velocity(&self, velocity_rad_per_s: &[f64], engine: &mut Engine) {
-        let coordinates = &mut engine.tree_mut(self.slot).coordinates;
-        for (own, velocity) in coordinates.iter_mut().zip(velocity_rad_per_s) {
-            own.velocity = *velocity;
-        }
-    }
-
     /// Writes the state of every joint into `states`.
     pub(super) fn read_joints(&self, engine: &Engine, states: &mut Vec<JointState>) {
         states.clear();
-        states.extend(engine.tree(self.slot).coordinates.iter().map(|own| JointState {
+        states.extend(engine.scene.tree(self.slot).coordinates.iter().map(|own| JointState {
             angle_rad: own.position,
             velocity_rad_per_s: own.velocity,
             rest_angle_rad: own.spring.rest,
             torque_nm: own.spring.stiffness * (own.spring.rest - own.position) - own.spring.damping * own.velocity,
         }));
-    }
-
-    /// Writes the pose of every link in the world frame into `poses`.
-    pub(super) fn read_link_poses(&self, engine: &Engine, poses: &mut Vec<WorldPose>) {
-        poses.clear();
-        poses.extend(engine.tree(self.slot).links().iter().map(|link| link.pose_world));
     }
 }
 

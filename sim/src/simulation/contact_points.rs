@@ -3,8 +3,7 @@
 use glam::DVec3;
 use underbrush_recording::ContactPoint;
 
-use super::contact::Contact;
-use super::report::FrameReport;
+use super::{Contact, FrameReport};
 
 /// Contacts of one place, added up over the steps of a frame.
 #[derive(Default)]

@@ -71,7 +71,7 @@ impl World {
         };
         let moves = |mechanism: &&Mechanism| mechanism.is_movable(engine) && !mechanism.is_at_rest(engine);
         let moving = self.mechanisms.iter().flatten().filter(moves);
-        let of_objects = moving.flat_map(|mechanism| mechanism.colliders(engine));
+        let of_objects = moving.flat_map(|mechanism| scene.colliders_in(mechanism.slot));
         self.arm.colliders.iter().copied().chain(of_objects).map(mover)
     }
 

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::Pose as WorldPose;
 
 use super::contact_step::ContactStep;
-use super::groups;
+use super::mount::table_groups;
 use super::placed::{Scene, Solid};
 use crate::dynamics::Tree;
 use crate::object::TABLE_FRICTION;
@@ -53,21 +53,11 @@ impl Engine {
         let top = Solid {
             link: 0,
             shape: ColliderBuilder::new(top),
-            groups: groups::table(),
+            groups: table_groups(),
             surface: Surface::hard(self.table_friction),
             part: 0,
         };
         self.scene.insert(Tree::new(WorldPose::from_position(center), false), vec![top]);
-    }
-
-    /// A tree.
-    pub fn tree(&self, slot: usize) -> &Tree {
-        &self.scene.placed(slot).tree
-    }
-
-    /// A tree, to set its springs or to push it.
-    pub fn tree_mut(&mut self, slot: usize) -> &mut Tree {
-        self.scene.tree_mut(slot)
     }
 
     /// Advances the world by one step.

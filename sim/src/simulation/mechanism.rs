@@ -1,13 +1,12 @@
 //! One object in the scene: its [`Structure`] as a tree with shapes.
 
-use std::ops::Range;
-
 use glam::{DQuat, DVec3};
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{BodyPart, BodyShape, Pose as WorldPose};
 
-use super::{Engine, Solid, groups};
+use super::mount::object_groups;
+use super::{Engine, Solid};
 use crate::dynamics::Tree;
 use crate::geometry::{engine_shape, parry_pose};
 use crate::object::structure::{CollisionGroup, Structure};
@@ -55,25 +54,14 @@ impl Mechanism {
         Mechanism { slot: engine.scene.insert(tree, solids) }
     }
 
-    /// The colliders of all bodies, in the order of the bodies.
-    pub(super) fn colliders(self, engine: &Engine) -> impl Iterator<Item = ColliderHandle> + '_ {
-        engine.scene.colliders_in(self.slot)
-    }
-
-    /// Writes the poses of these links in the world frame into `poses`.
-    pub(super) fn read_body_poses(self, engine: &Engine, links: Range<usize>, poses: &mut Vec<WorldPose>) {
-        poses.clear();
-        poses.extend(engine.tree(self.slot).links()[links].iter().map(|link| link.pose_world));
-    }
-
     /// Whether anything in it can move.
     pub(super) fn is_movable(self, engine: &Engine) -> bool {
-        !engine.tree(self.slot).coordinates.is_empty()
+        !engine.scene.tree(self.slot).coordinates.is_empty()
     }
 
     /// Whether it stands as it was built and does not move, so that taking it out changes nothing.
     pub(super) fn is_at_rest(self, engine: &Engine) -> bool {
-        engine.tree(self.slot).coordinates.iter().all(|own| {
+        engine.scene.tree(self.slot).coordinates.iter().all(|own| {
             let most = if own.spring.stiffness > 0.0 { REST_COORDINATE } else { FREE_REST_COORDINATE };
             own.position.abs() < most && own.dashpot.abs() < REST_COORDINATE && own.velocity.abs() < REST_SPEED
         })
@@ -89,7 +77,7 @@ pub(super) fn foot_pose(structure: &Structure, foot_world: DVec3, yaw_rad: f64) 
 /// The shapes of an object whose bodies are the links from `first` on.
 fn solids(structure: &Structure, first: usize, part: u16) -> impl Iterator<Item = Solid> + '_ {
     structure.bodies.iter().enumerate().flat_map(move |(index, body)| {
-        let groups = groups::of_object(body.collision_group);
+        let groups = object_groups(body.collision_group);
         let shapes = body.parts.iter().filter_map(collider);
         shapes.map(move |shape| Solid { link: first + index, shape, groups, surface: structure.surface, part })
     })

@@ -19,13 +19,10 @@ use sense::SenseBuffers;
 use world::{DormancyBuffers, Mover, World};
 
 mod arm;
-mod bounds;
-mod contact;
 mod contact_points;
 mod contact_step;
 mod dormancy;
 mod engine;
-mod groups;
 mod mechanism;
 mod model;
 mod mount;
@@ -33,19 +30,17 @@ mod placed;
 mod report;
 mod saved;
 mod sense;
-mod tactile;
 pub mod test_rig;
 mod world;
 
 use arm::ArmBodies;
-pub use contact::Contact;
 use engine::Engine;
 use mechanism::{Mechanism, collider};
-use placed::{PlacedLink, Solid};
-pub use report::{FrameReport, JointState, ObjectState, StepObserver, StepReport};
+use placed::{PlacedLink, Solid, read_poses};
+pub use report::{
+    Contact, ContactPair, FrameReport, JointState, LinkForce, ObjectState, StepObserver, StepReport, TactileFrame,
+};
 pub use saved::StateError;
-use tactile::entry;
-pub use tactile::{ContactPair, LinkForce, TactileFrame};
 
 /// The parts of a simulation.
 pub struct Setup {
@@ -216,24 +211,6 @@ impl Simulation {
         self.state.world.engine.options.step_s = step_s;
     }
 
-    /// The present state as bytes, for [`Simulation::load`].
-    ///
-    /// # Errors
-    /// If the state cannot be encoded.
-    pub fn save(&self) -> Result<Vec<u8>, StateError> {
-        self.state.save(&self.model)
-    }
-
-    /// Continues from a state that a simulation with the same arm, clutter and options saved, bit for bit as that one
-    /// would. The sensor is replaced by the saved one, too.
-    ///
-    /// # Errors
-    /// If the bytes are not a saved state, are damaged, or belong to another simulation; this one is then unchanged.
-    pub fn load(&mut self, bytes: &[u8]) -> Result<(), StateError> {
-        self.state = State::load(&self.model, self.physics(), bytes)?;
-        Ok(())
-    }
-
     /// Sets the joint velocities q̇, rad/s, one for each joint.
     ///
     /// # Panics
@@ -241,7 +218,10 @@ impl Simulation {
     pub fn set_joint_velocity(&mut self, velocity_rad_per_s: &[f64]) {
         assert_eq!(velocity_rad_per_s.len(), self.model.arm.joints.len(), "one velocity for each joint");
         let State { world, report, .. } = &mut self.state;
-        world.arm.set_velocity(velocity_rad_per_s, &mut world.engine);
+        let coordinates = &mut world.engine.scene.tree_mut(world.arm.slot).coordinates;
+        for (own, velocity) in coordinates.iter_mut().zip(velocity_rad_per_s) {
+            own.velocity = *velocity;
+        }
         world.arm.read_joints(&world.engine, &mut report.joints);
     }
 }
@@ -251,7 +231,7 @@ impl State {
     fn write_report(&mut self, model: &Model) {
         let State { world, sensor, report, buffers, .. } = self;
         world.arm.read_joints(&world.engine, &mut report.joints);
-        world.arm.read_link_poses(&world.engine, &mut report.link_pose_world);
+        read_poses(world.engine.scene.tree(world.arm.slot).links(), &mut report.link_pose_world);
         report.end_effector_pose_world = model.arm.end_effector_pose(&report.link_pose_world);
         report.objects.resize_with(model.structures.len(), ObjectState::default);
         let objects = model.place_in_assembly.iter().zip(&model.rest_pose_world);
@@ -260,7 +240,8 @@ impl State {
             let was_active = std::mem::replace(&mut object.active, mechanism.is_some());
             match mechanism {
                 Some(mechanism) => {
-                    mechanism.read_body_poses(&world.engine, links.clone(), &mut object.body_pose_world);
+                    let bodies = &world.engine.scene.tree(mechanism.slot).links()[links.clone()];
+                    read_poses(bodies, &mut object.body_pose_world);
                 }
                 // An object that is left out of the engine stands as it was built.
                 None if was_active || report.frame == 0 => object.body_pose_world.clone_from(rest),

@@ -35,12 +35,11 @@ pub(super) struct Model {
 }
 
 impl Model {
-    pub(super) fn new(arm: Arm, clutter: Clutter, dormancy: bool, gravity_m_per_s2: f64) -> Self {
+    pub(super) fn new(mut arm: Arm, clutter: Clutter, dormancy: bool, gravity_m_per_s2: f64) -> Self {
         let objects = || clutter.objects.iter();
         let outlines: Vec<(Cuboid, EnginePose)> =
             objects().map(PlacedObject::outline).map(|(outline, pose)| (outline, parry_pose(&pose))).collect();
         let boxes: Vec<Aabb> = outlines.iter().map(|(outline, pose)| outline.compute_aabb(pose)).collect();
-        let mut arm = arm;
         clutter.materials.apply_to(&mut arm);
         let structures: Vec<Structure> =
             objects().map(|placed| structure(placed, &clutter, gravity_m_per_s2)).collect();

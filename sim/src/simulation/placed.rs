@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::Pose as WorldPose;
 
 pub(super) use super::mount::PlacedLink;
-use super::mount::{Mount, NEAR_M, ROOM_M, excess_m, gaps_m};
+use super::mount::{FOAM, Mount, NEAR_M, ROOM_M, ROOTED, excess_m, gaps_m, object_groups};
 use crate::contact::surface::Surface;
-use crate::dynamics::Tree;
+use crate::dynamics::{Link, Tree};
 use crate::geometry::{from_parry, parry_pose};
 use crate::object::structure::CollisionGroup;
 use crate::physics::Theta;
@@ -94,6 +94,12 @@ fn index(collider: ColliderHandle) -> usize {
     collider.into_raw_parts().0 as usize
 }
 
+/// Writes the poses of links into `poses`, world frame.
+pub(super) fn read_poses(links: &[Link], poses: &mut Vec<WorldPose>) {
+    poses.clear();
+    poses.extend(links.iter().map(|link| link.pose_world));
+}
+
 impl Scene {
     pub(super) fn insert(&mut self, tree: Tree, solids: Vec<Solid>) -> usize {
         let free = self.placed.iter().position(Option::is_none);
@@ -124,8 +130,8 @@ impl Scene {
                 surface,
                 part,
                 kind: None,
-                is_root: groups.memberships == super::groups::ROOTED,
-                is_foam: groups.memberships == super::groups::FOAM,
+                is_root: groups.memberships == ROOTED,
+                is_foam: groups.memberships == FOAM,
                 built_extent: [DVec3::ZERO; 2],
                 moves: tree.moves(link),
                 pose_link: inserted.position_wrt_parent().map_or(WorldPose::IDENTITY, from_parry),
@@ -185,6 +191,14 @@ impl Scene {
         self.placed[slot].as_ref().expect("the slots that are handed out are taken")
     }
 
+    /// A tree.
+    ///
+    /// # Panics
+    /// If the slot is empty.
+    pub(super) fn tree(&self, slot: usize) -> &Tree {
+        &self.placed(slot).tree
+    }
+
     /// A tree, to change it.
     ///
     /// # Panics
@@ -193,19 +207,9 @@ impl Scene {
         &mut self.placed[slot].as_mut().expect("the slots that are handed out are taken").tree
     }
 
-    /// The number of slots.
-    pub(super) fn slots(&self) -> usize {
-        self.placed.len()
-    }
-
-    /// The tree in a slot; `None` if the slot is empty.
-    pub(super) fn tree(&self, slot: usize) -> Option<&Tree> {
-        self.placed[slot].as_ref().map(|placed| &placed.tree)
-    }
-
-    /// All trees with their slots.
-    pub(super) fn trees(&self) -> impl Iterator<Item = (usize, &Placed)> {
-        self.placed.iter().enumerate().filter_map(|(slot, placed)| Some((slot, placed.as_ref()?)))
+    /// The trees by slot; `None` for an empty slot.
+    pub(super) fn slots(&self) -> &[Option<Placed>] {
+        &self.placed
     }
 
     /// The trees that can move.
@@ -222,7 +226,7 @@ impl Scene {
                 for (handle, collider) in self.colliders.iter_mut() {
                     let mount = self.mounts[index(handle)].as_mut().filter(|mount| mount.at.slot == slot);
                     if let Some(mount) = mount.filter(|mount| tree.is_carried_by(mount.at.link, root)) {
-                        collider.set_collision_groups(super::groups::of_object(CollisionGroup::Standing));
+                        collider.set_collision_groups(object_groups(CollisionGroup::Standing));
                         mount.is_root = false;
                     }
                 }
@@ -257,21 +261,15 @@ impl Scene {
         self.placed(slot).bodies.iter().flat_map(|body| self.colliders_of(*body).iter().copied())
     }
 
-    /// The body that carries a shape.
-    pub(super) fn body_of(&self, collider: ColliderHandle) -> RigidBodyHandle {
-        let PlacedLink { slot, link } = self.mount(collider).at;
-        self.placed(slot).bodies[link]
-    }
-
     /// The rule of the tree that damps more, of those that the links belong to.
     pub(super) fn theta(&self, links: &[Option<PlacedLink>; 2]) -> Theta {
-        let thetas = links.iter().flatten().map(|link| self.placed(link.slot).tree.theta());
+        let thetas = links.iter().flatten().map(|link| self.tree(link.slot).theta());
         thetas.fold(Theta::MIDPOINT, Theta::or_more)
     }
 
     /// The pose of a link, world frame.
     pub(super) fn link_pose(&self, at: PlacedLink) -> &WorldPose {
-        &self.placed(at.slot).tree.links()[at.link].pose_world
+        &self.tree(at.slot).links()[at.link].pose_world
     }
 
     /// The present pose of a shape, world frame.

@@ -4,9 +4,10 @@
 //! sensor with its random streams, the last report, and the last equilibrium angles. It does not hold the arm and the clutter; their fingerprint
 //! tells whether a saved state belongs to them.
 
-use super::State;
-use super::model::Model;
-use crate::physics::{ENGINE, PhysicsOptions};
+use underbrush_recording::Fault;
+
+use super::Simulation;
+use crate::physics::ENGINE;
 
 /// The first bytes of every saved state.
 const MAGIC: &[u8; 16] = b"underbrush state";
@@ -37,42 +38,56 @@ pub enum StateError {
     Format(#[from] postcard::Error),
 }
 
-impl State {
-    /// The state as bytes: magic, fingerprint of the model, checksum, and the encoded state.
-    pub(super) fn save(&self, model: &Model) -> Result<Vec<u8>, StateError> {
-        let encoded = postcard::to_allocvec(self)?;
-        let (fingerprint, checksum) = (fingerprint(model, self.world.engine.options), blake3::hash(&encoded));
+impl From<StateError> for Fault {
+    fn from(error: StateError) -> Self {
+        Fault::Usage(error.to_string())
+    }
+}
+
+impl Simulation {
+    /// The present state as bytes, for [`Simulation::load`]: magic, fingerprint, checksum, and the encoded state.
+    ///
+    /// # Errors
+    /// If the state cannot be encoded.
+    pub fn save(&self) -> Result<Vec<u8>, StateError> {
+        let encoded = postcard::to_allocvec(&self.state)?;
+        let (fingerprint, checksum) = (self.fingerprint(), blake3::hash(&encoded));
         Ok([MAGIC.as_slice(), &fingerprint, checksum.as_bytes(), &encoded].concat())
     }
 
-    /// The state that [`State::save`] wrote for this model.
-    pub(super) fn load(model: &Model, physics: PhysicsOptions, bytes: &[u8]) -> Result<State, StateError> {
+    /// Continues from a state that a simulation with the same arm, clutter and options saved, bit for bit as that one
+    /// would. The sensor is replaced by the saved one, too.
+    ///
+    /// # Errors
+    /// If the bytes are not a saved state, are damaged, or belong to another simulation; this one is then unchanged.
+    pub fn load(&mut self, bytes: &[u8]) -> Result<(), StateError> {
         let rest = bytes.strip_prefix(MAGIC).ok_or(StateError::NotAState)?;
         let (own, rest) = rest.split_at_checked(HASH).ok_or(StateError::Damaged)?;
         let (checksum, encoded) = rest.split_at_checked(HASH).ok_or(StateError::Damaged)?;
-        if own != fingerprint(model, physics) {
+        if own != self.fingerprint() {
             return Err(StateError::Foreign);
         }
         if checksum != blake3::hash(encoded).as_bytes() {
             return Err(StateError::Damaged);
         }
-        Ok(postcard::from_bytes(encoded)?)
+        self.state = postcard::from_bytes(encoded)?;
+        Ok(())
     }
-}
 
-/// A hash of the program's version and of everything that a saved state relies on.
-fn fingerprint(model: &Model, physics: PhysicsOptions) -> [u8; HASH] {
-    // `Debug` prints a float with as many digits as tell it from every other.
-    let text = format!(
-        "{} {FORMAT} {ENGINE} {:?} {} {:?} {:?} {:?}",
-        env!("CARGO_PKG_VERSION"),
-        physics,
-        model.dormancy,
-        model.arm,
-        model.clutter.objects,
-        model.clutter.materials
-    );
-    *blake3::hash(text.as_bytes()).as_bytes()
+    /// A hash of the program's version and of everything that a saved state relies on.
+    fn fingerprint(&self) -> [u8; HASH] {
+        let (model, physics) = (&self.model, self.physics());
+        // `Debug` prints a float with as many digits as tell it from every other.
+        let text = format!(
+            "{} {FORMAT} {ENGINE} {physics:?} {} {:?} {:?} {:?}",
+            env!("CARGO_PKG_VERSION"),
+            model.dormancy,
+            model.arm,
+            model.clutter.objects,
+            model.clutter.materials
+        );
+        *blake3::hash(text.as_bytes()).as_bytes()
+    }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use glam::DVec3;
 use rapier3d::prelude::ColliderHandle;
 use underbrush_recording::TaxelReading;
 
-use super::{Contact, ContactPair, Model, TactileFrame, World, entry};
+use super::{Contact, ContactPair, Model, TactileFrame, World};
 use crate::sensor::Sensor;
 use crate::skin::{ContactPoint, SpreadBuffers, TaxelForce};
 
@@ -214,6 +214,16 @@ fn residuals(wrenches: &[PatchWrenches]) -> [f64; 2] {
         let torque_error = (felt.moment - solver.moment).length() / solver.magnitude.max(1e-6);
         [force.max(missing), moment.max(torque_error)]
     })
+}
+
+/// The value of a key in a list that is sorted by keys; a new one if there is none. Unlike a map, a list that is
+/// cleared keeps its memory for the next frame.
+fn entry<K: Ord, V: Default>(list: &mut Vec<(K, V)>, key: K) -> &mut V {
+    let place = list.binary_search_by(|(own, _)| own.cmp(&key)).unwrap_or_else(|place| {
+        list.insert(place, (key, V::default()));
+        place
+    });
+    &mut list[place].1
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use crate::{Arm, PhysicsOptions, Surface};
 mod description;
 
 use description::describe;
-pub use description::{AxisDescription, ColliderDescription, LinkDescription};
+pub use description::{ColliderDescription, LinkDescription};
 
 /// A body on a [`Rig`]: its number, in the order in which bodies were added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,7 +123,7 @@ impl Rig {
 
     /// Names the bodies of a tree.
     fn name(&mut self, slot: usize) -> Vec<BodyId> {
-        let links = 0..self.engine.tree(slot).links().len();
+        let links = 0..self.engine.scene.tree(slot).links().len();
         let named = links.map(|link| {
             self.bodies.push(PlacedLink { slot, link });
             BodyId(self.bodies.len() - 1)
@@ -134,7 +134,7 @@ impl Rig {
     /// Everything that another engine needs to build the same joints and bodies, read back from the engine: the trees of
     /// joints, each from its root on.
     pub fn describe(&self) -> Vec<Vec<LinkDescription>> {
-        self.engine.scene.trees().map(|(_, placed)| describe(placed, &self.engine.scene)).collect()
+        self.engine.scene.slots().iter().flatten().map(|placed| describe(placed, &self.engine.scene)).collect()
     }
 
     /// Makes one engine step.
@@ -154,15 +154,14 @@ impl Rig {
     /// `None` if no joint carries the body.
     pub fn step_driven(&mut self, body: BodyId, axis: Axis, ratio: f64, goal: f64) -> Option<f64> {
         let (slot, at) = self.find(body, axis)?;
-        let own = &mut self.engine.tree_mut(slot).coordinates[at];
+        let own = &mut self.engine.scene.tree_mut(slot).coordinates[at];
         let spring = own.spring;
-        // Of the joint's own spring and its relaxing branch.
-        let drive = ratio * (spring.stiffness + spring.maxwell.map_or(0.0, |branch| branch.stiffness));
+        let drive = ratio * spring.unrelaxed_stiffness();
         own.spring.stiffness += drive;
         own.spring.rest = (spring.stiffness * spring.rest + drive * goal) / (spring.stiffness + drive);
         let before = own.position;
         self.step();
-        let tree = self.engine.tree_mut(slot);
+        let tree = self.engine.scene.tree_mut(slot);
         let theta = tree.theta().value();
         let own = &mut tree.coordinates[at];
         own.spring = spring;
@@ -172,7 +171,7 @@ impl Rig {
     /// The coordinate along an axis of the joint that carries a body: its tree and its index there.
     fn find(&self, body: BodyId, axis: Axis) -> Option<(usize, usize)> {
         let PlacedLink { slot, link } = self.bodies[body.0];
-        let tree = self.engine.tree(slot);
+        let tree = self.engine.scene.tree(slot);
         let is_axis = |own: &Coordinate| (own.axis_joint, own.turns) == (axis.direction, axis.turns);
         Some((slot, tree.coordinates.iter().position(|own| own.link == link && is_axis(own))?))
     }
@@ -185,27 +184,27 @@ impl Rig {
     /// Velocity of a body's centre of mass, m/s, world frame.
     pub fn velocity_world(&self, body: BodyId) -> DVec3 {
         let PlacedLink { slot, link } = self.bodies[body.0];
-        let tree = self.engine.tree(slot);
+        let tree = self.engine.scene.tree(slot);
         tree.velocity_at(link, tree.center_of_mass_world(link), |at| tree.coordinates[at].velocity)[0]
     }
 
     /// A body's centre of mass, m, world frame.
     pub fn center_of_mass_world(&self, body: BodyId) -> DVec3 {
         let PlacedLink { slot, link } = self.bodies[body.0];
-        self.engine.tree(slot).center_of_mass_world(link)
+        self.engine.scene.tree(slot).center_of_mass_world(link)
     }
 
     /// A body's mass, kg.
     pub fn mass_kg(&self, body: BodyId) -> f64 {
         let PlacedLink { slot, link } = self.bodies[body.0];
-        self.engine.tree(slot).links()[link].mass_kg
+        self.engine.scene.tree(slot).links()[link].mass_kg
     }
 
     /// Adds an external force on a body, N, acting at a point (m, world frame), and an external moment, Nm, for the next
     /// step.
     pub fn push(&mut self, body: BodyId, force_world: DVec3, point_world: DVec3, moment_world: DVec3) {
         let PlacedLink { slot, link } = self.bodies[body.0];
-        let tree = self.engine.tree_mut(slot);
+        let tree = self.engine.scene.tree_mut(slot);
         let center = tree.center_of_mass_world(link);
         tree.push(link, force_world, center, moment_world + (point_world - center).cross(force_world));
     }
@@ -225,7 +224,7 @@ impl Rig {
     /// Displacement of the joint that carries a body along one of its axes, m or rad; `None` if no joint carries it.
     pub fn coordinate(&self, body: BodyId, axis: Axis) -> Option<f64> {
         let (slot, at) = self.find(body, axis)?;
-        Some(self.engine.tree(slot).coordinates[at].position)
+        Some(self.engine.scene.tree(slot).coordinates[at].position)
     }
 }
 

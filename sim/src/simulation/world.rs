@@ -7,6 +7,7 @@ use underbrush_recording::{FRAME_PERIOD_S, Pose};
 
 use super::{
     ArmBodies, Assembly, Contact, Engine, FrameReport, Mechanism, Model, PlacedLink, StepObserver, StepReport,
+    read_poses,
 };
 use crate::object::COLLIDING_KINDS;
 use crate::physics::PhysicsOptions;
@@ -87,14 +88,14 @@ impl World {
             self.gather_contacts(model, &mut report.contacts);
             if let Some(observer) = observer.as_deref_mut() {
                 self.arm.read_joints(&self.engine, &mut report.joints);
-                self.arm.read_link_poses(&self.engine, &mut report.link_pose_world);
+                read_poses(self.engine.scene.tree(self.arm.slot).links(), &mut report.link_pose_world);
                 observer(&StepReport {
                     arm: &model.arm,
                     physics: self.engine.options,
                     joints: &report.joints,
                     link_pose_world: &report.link_pose_world,
                     contacts: &report.contacts[earlier..],
-                    theta: self.engine.tree(self.arm.slot).theta(),
+                    theta: self.engine.scene.tree(self.arm.slot).theta(),
                     contact_residual: self.engine.contact_step.convergence.residual,
                     missed_overlap_m: self.engine.contact_step.missed_overlap_m,
                 });

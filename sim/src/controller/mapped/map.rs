@@ -88,14 +88,11 @@ impl Obstacle {
     /// The obstacle after its first touch.
     fn new(touch: &Touch) -> Self {
         let [radius_m, deviation_m] = RADIUS_M;
+        let deviations_m = Vector3::new(ANYWHERE_M, ANYWHERE_M, deviation_m);
         let mut own = Obstacle {
             kind: touch.kind,
             mean_m: Vector3::new(touch.position_world.x, touch.position_world.y, radius_m),
-            covariance_m2: Matrix3::from_diagonal(&Vector3::new(
-                ANYWHERE_M * ANYWHERE_M,
-                ANYWHERE_M * ANYWHERE_M,
-                deviation_m * deviation_m,
-            )),
+            covariance_m2: Matrix3::from_diagonal(&deviations_m.component_mul(&deviations_m)),
             touched_height_m: touch.position_world.z,
             touched_s: touch.time_s,
             is_known: false,
@@ -174,20 +171,6 @@ pub struct Map {
 }
 
 impl Map {
-    /// A map that knows these upright obstacles exactly from the start.
-    pub fn knowing(known: impl IntoIterator<Item = Capsule>) -> Self {
-        let obstacle = |capsule: Capsule| Obstacle {
-            kind: ObstacleKind::Fixed,
-            mean_m: Vector3::new(capsule.end.x, capsule.end.y, capsule.radius_m),
-            covariance_m2: Matrix3::zeros(),
-            touched_height_m: capsule.start.z.max(capsule.end.z) + capsule.radius_m,
-            touched_s: f64::NEG_INFINITY,
-            is_known: true,
-            has_given_way: false,
-        };
-        Map { obstacles: known.into_iter().map(obstacle).collect() }
-    }
-
     /// The obstacle that a touch belongs to.
     fn at(&self, touch: &Touch) -> Option<usize> {
         let place = DVec2::new(touch.position_world.x, touch.position_world.y);

@@ -14,30 +14,23 @@ use std::collections::VecDeque;
 use nalgebra::DVector;
 use underbrush_recording::{MappedObstacle, Pose};
 
-use self::arm_shapes::{ArmShapes, largest_change_rad};
-use self::bare::BareSurface;
-use self::contacts::{Judged, judged, largest_share};
-use self::map::Map;
-use self::pursuit::Pursuit;
-use self::trust::Trust;
 use super::{ControlStatus, Controller, ControllerInput, ControllerOutput, Intent, Preset, TaxelContact};
 use crate::arm::Arm;
-use crate::geometry::Capsule;
-use contacts::touches;
-use map::{Caution, Touch};
-use path::Path;
+use arm_shapes::{ArmShapes, largest_change_rad};
+use bare::BareSurface;
+use contacts::{Judged, judged, largest_share, touches};
+use map::{Caution, Map, Touch};
 use planner::{BUDGET, EVALUATION_S, ForbiddenPostures, NoWay, Planner};
-use pursuit::FROZEN_RAD;
-use route::Surroundings;
+use pursuit::{FROZEN_RAD, Path, Pursuit};
+use trust::Trust;
 
 pub mod arm_shapes;
 mod bare;
 mod contacts;
 pub mod map;
-mod path;
 pub mod planner;
 mod pursuit;
-pub mod route;
+mod route;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -101,6 +94,7 @@ pub struct Mapped {
     /// Velocities of the joints at the last control step, rad/s.
     velocity_rad_per_s: Vec<f64>,
     plans: u64,
+    /// Postures on the way that the arm came, the latest last.
     trail: VecDeque<Vec<f64>>,
     pursuit: Option<Pursuit>,
 }
@@ -129,9 +123,9 @@ impl Mapped {
         }
     }
 
-    /// The controller if it knows all fixed obstacles from the start.
-    pub fn knowing(self, obstacles: impl IntoIterator<Item = Capsule>) -> Self {
-        Mapped { map: Map::knowing(obstacles), knows_all: true, ..self }
+    /// The controller if it knows all fixed obstacles from the start: those of this map.
+    pub fn knowing(self, map: Map) -> Self {
+        Mapped { map, knows_all: true, ..self }
     }
 
     /// The contacts, without their verdicts once these are not believed any more. Also takes what was called fixed and gives

@@ -41,6 +41,12 @@ const STRIDE_M: f64 = 0.005;
 /// Attempts to cut a corner of a path, before and after its end is drawn in.
 const SHORTCUTS: usize = 40;
 
+/// How far a way stays from obstacles, m: more than the arm strays from it.
+pub(super) const MARGIN_M: f64 = 0.005;
+
+/// Postures of an arm, rad: the corners of a path with both of its ends, or any others.
+pub type Postures = Vec<Vec<f64>>;
+
 /// A ball of postures that a plan avoids.
 #[derive(Clone, Debug)]
 pub struct ForbiddenPostures {
@@ -90,7 +96,12 @@ pub struct Planner<'a> {
     pub evaluations: usize,
 }
 
-impl Planner<'_> {
+impl<'a> Planner<'a> {
+    /// The usual margin, nothing forbidden, and no posture evaluated yet.
+    pub fn new(arm: &'a Arm, shapes: &'a ArmShapes, obstacles: &'a [Capsule], budget: usize) -> Self {
+        Planner { arm, shapes, obstacles, margin_m: MARGIN_M, forbidden: &[], budget, evaluations: 0 }
+    }
+
     /// Whether the arm is free in a posture.
     pub fn is_free(&mut self, posture_rad: &[f64]) -> bool {
         self.free_share(posture_rad, &vec![0.0; posture_rad.len()]).is_some()
@@ -129,14 +140,14 @@ impl Planner<'_> {
     ///
     /// # Errors
     /// [`NoWay`].
-    pub fn plan(&mut self, start_rad: &[f64], goal: DVec3, random: &mut ChaCha8Rng) -> Result<Vec<Vec<f64>>, NoWay> {
+    pub fn plan(&mut self, start_rad: &[f64], goal: DVec3, random: &mut ChaCha8Rng) -> Result<Postures, NoWay> {
         let (ends, straight) = self.goal_postures(start_rad, goal, GOAL_POSTURES, random)?;
         let change_rad = |end: &Vec<f64>| largest_change_rad(start_rad, end);
         if let Some(end) = straight.into_iter().min_by(|a, b| change_rad(a).total_cmp(&change_rad(b))) {
             return Ok(vec![start_rad.to_vec(), self.drawn_in(start_rad, end, goal)]);
         }
         let budget = self.budget;
-        let mut shortest: Option<Vec<Vec<f64>>> = None;
+        let mut shortest: Option<Postures> = None;
         while shortest.is_none() || self.evaluations < self.budget {
             let length = shortest.as_deref().map(length_rad);
             let Some(path) = self.connect(start_rad, &ends, length, random) else { break };
@@ -154,12 +165,7 @@ impl Planner<'_> {
     ///
     /// # Errors
     /// [`NoWay`].
-    pub fn any_path(
-        &mut self,
-        start_rad: &[f64],
-        goal: DVec3,
-        random: &mut ChaCha8Rng,
-    ) -> Result<Vec<Vec<f64>>, NoWay> {
+    pub fn any_path(&mut self, start_rad: &[f64], goal: DVec3, random: &mut ChaCha8Rng) -> Result<Postures, NoWay> {
         let (ends, straight) = self.goal_postures(start_rad, goal, 1, random)?;
         match straight.into_iter().next() {
             Some(end) => Ok(vec![start_rad.to_vec(), end]),
@@ -168,18 +174,17 @@ impl Planner<'_> {
     }
 
     /// Free postures at the goal, and those of them to which a straight way from the start is free, of which `enough` are enough.
-    #[allow(clippy::type_complexity, reason = "two lists of postures")]
     fn goal_postures(
         &mut self,
         start_rad: &[f64],
         goal: DVec3,
         enough: usize,
         random: &mut ChaCha8Rng,
-    ) -> Result<(Vec<Vec<f64>>, Vec<Vec<f64>>), NoWay> {
+    ) -> Result<(Postures, Postures), NoWay> {
         if !self.is_free(start_rad) {
             return Err(NoWay::Wedged);
         }
-        let (mut free, mut straight): (Vec<Vec<f64>>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
+        let (mut free, mut straight): (Postures, Postures) = (Vec::new(), Vec::new());
         let mut is_reached = false;
         for number in 0..GOAL_STARTS {
             // From the arm's own posture, then from ones near it, then from anywhere.
@@ -245,7 +250,7 @@ impl Planner<'_> {
         ends: &[Vec<f64>],
         length_rad: Option<f64>,
         random: &mut ChaCha8Rng,
-    ) -> Option<Vec<Vec<f64>>> {
+    ) -> Option<Postures> {
         let mut trees = [(); 2].map(|()| Tree::new(start_rad.len()));
         trees[0].add(start_rad, None);
         for end in ends {
@@ -299,7 +304,7 @@ impl Planner<'_> {
     }
 
     /// The path with corners cut, and its end drawn in.
-    fn shortened(&mut self, path: Vec<Vec<f64>>, goal: DVec3, random: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
+    fn shortened(&mut self, path: Postures, goal: DVec3, random: &mut ChaCha8Rng) -> Postures {
         let mut path = self.cut(path, random);
         if let [.., from, end] = &mut path[..] {
             *end = self.drawn_in(from, std::mem::take(end), goal);
@@ -308,7 +313,7 @@ impl Planner<'_> {
     }
 
     /// The path with corners cut: two random points on different edges are joined if that is shorter and free.
-    fn cut(&mut self, mut path: Vec<Vec<f64>>, random: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
+    fn cut(&mut self, mut path: Postures, random: &mut ChaCha8Rng) -> Postures {
         // The time that a motion takes; of motions that take the same time, the one that moves the other joints less.
         let time = |from: &[f64], to: &[f64]| largest_change_rad(from, to) + 0.1 * distance_rad(from, to);
         let length = |path: &[Vec<f64>]| path.windows(2).map(|pair| time(&pair[0], &pair[1])).sum::<f64>();

@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 
-use super::{ForbiddenPostures, Path, difference, largest_change_rad};
+use super::arm_shapes::between;
+use super::planner::Postures;
+use super::{ForbiddenPostures, difference, largest_change_rad};
 
 /// Joint angles that differ by less than this are those of an arm that does not move at all, rad.
 pub(super) const FROZEN_RAD: f64 = 0.03;
@@ -78,5 +80,44 @@ impl Pursuit {
         if self.forbidden.len() > FORBIDDEN {
             self.forbidden.remove(0);
         }
+    }
+}
+
+/// A path in joint space, measured in the control steps that the arm needs for it: its corners, and how many control steps
+/// it takes to get to each.
+#[derive(Clone, Debug)]
+pub(super) struct Path {
+    corners: Postures,
+    steps: Vec<f64>,
+}
+
+impl Path {
+    /// The path through these corners; `step_rad` is how far each joint moves in a control step. A path has at least one
+    /// corner.
+    pub(super) fn new(corners: Postures, step_rad: &[f64]) -> Self {
+        let mut steps = vec![0.0];
+        let mut sum = 0.0;
+        for pair in corners.windows(2) {
+            let joints = pair[0].iter().zip(&pair[1]).zip(step_rad);
+            sum += joints.map(|((from, to), step)| (to - from).abs() / step).fold(0.0, f64::max);
+            steps.push(sum);
+        }
+        Path { corners, steps }
+    }
+
+    /// Its length, control steps.
+    pub(super) fn length(&self) -> f64 {
+        self.steps.last().copied().unwrap_or_default()
+    }
+
+    /// The posture after this many control steps, rad.
+    pub(super) fn at(&self, steps: f64) -> Vec<f64> {
+        let edge = self.steps.partition_point(|own| *own <= steps).clamp(1, self.corners.len().max(2) - 1);
+        let (Some(from), Some(to)) = (self.corners.get(edge - 1), self.corners.get(edge)) else {
+            return self.corners.last().cloned().unwrap_or_default();
+        };
+        let length = self.steps[edge] - self.steps[edge - 1];
+        let share = if length > 0.0 { (steps - self.steps[edge - 1]) / length } else { 1.0 };
+        between(from, to, share.clamp(0.0, 1.0))
     }
 }

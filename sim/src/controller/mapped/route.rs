@@ -1,17 +1,13 @@
 //! From a posture in contact to a way to the goal: back the way the arm came, then a plan, with less and less caution.
 
-use std::collections::VecDeque;
-
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::{ArmShapes, BUDGET, Caution, ForbiddenPostures, Map, NoWay, Planner, largest_change_rad};
-use crate::arm::Arm;
+use super::planner::{MARGIN_M, Postures};
+use super::{BUDGET, Caution, Mapped, NoWay, Planner, Pursuit, largest_change_rad};
 
-/// How far a way stays from obstacles, m: more than the arm strays from it.
-pub const MARGIN_M: f64 = 0.005;
-/// And at the first attempt, m: short ways lead along obstacles, and compliant arms cut corners.
+/// How far a way stays from obstacles at the first attempt, m: short ways lead along obstacles, and compliant arms cut corners.
 const WIDE_MARGIN_M: f64 = 0.01;
 /// Caution and margin, m, from one attempt to the next.
 const ATTEMPTS: [(Caution, f64); 6] = [
@@ -30,52 +26,36 @@ const BACK_RAD: f64 = 0.8;
 const OUT_RAD: f64 = 0.5;
 const DIRECTIONS: usize = 100;
 
-/// What a route is planned in.
-pub(super) struct Surroundings<'a> {
-    pub(super) arm: &'a Arm,
-    pub(super) shapes: &'a ArmShapes,
-    pub(super) top_m: f64,
-    pub(super) forbidden: &'a mut Vec<ForbiddenPostures>,
-    /// Postures on the way that the arm came, the latest last.
-    pub(super) trail: &'a VecDeque<Vec<f64>>,
-}
-
-impl Surroundings<'_> {
-    /// A way to the goal from the posture `from_rad`, at first back by at least `back_rad` along the way the arm came.
-    /// Also returns how many postures were evaluated. Without a way, obstacles are seen as thinner and lower, and then
-    /// forgotten one by one.
+impl Mapped {
+    /// A way to the goal of a pursuit from the posture `from_rad`, at first back by at least `back_rad` along the way the
+    /// arm came. Also returns how many postures were evaluated. Without a way, obstacles are seen as thinner and lower, and
+    /// then forgotten one by one.
     pub(super) fn route(
         &mut self,
-        map: &mut Map,
+        own: &mut Pursuit,
         from_rad: &[f64],
-        goal: DVec3,
         back_rad: f64,
         random: &mut ChaCha8Rng,
-    ) -> (Result<Vec<Vec<f64>>, NoWay>, usize) {
+    ) -> (Result<Postures, NoWay>, usize) {
         let joints = &self.arm.joints;
         let within = |posture: &[f64]| -> Vec<f64> {
             joints.iter().zip(posture).map(|(joint, angle)| joint.within_limits(*angle)).collect()
         };
         let from_rad = within(from_rad);
-        let back: Vec<Vec<f64>> = self.trail.iter().rev().map(|posture| within(posture)).collect();
+        let back: Postures = self.trail.iter().rev().map(|posture| within(posture)).collect();
         let (mut evaluations, mut forgotten) = (0, 0);
         loop {
             let mut reason = NoWay::NotFound;
             for (number, (caution, margin_m)) in ATTEMPTS.into_iter().enumerate() {
                 let left = BUDGET.saturating_sub(evaluations);
-                if left == 0 || (number > 2 && map.obstacles.iter().all(|own| own.is_known)) {
+                if left == 0 || (number > 2 && self.map.obstacles.iter().all(|obstacle| obstacle.is_known)) {
                     break;
                 }
-                let mut planner = Planner {
-                    arm: self.arm,
-                    shapes: self.shapes,
-                    obstacles: &map.capsules(caution, self.top_m),
-                    margin_m,
-                    forbidden: self.forbidden,
-                    budget: left.min(if number == 0 { BUDGET / 2 } else { BUDGET / 5 }),
-                    evaluations: 0,
-                };
-                let found = out_and_on(&mut planner, &from_rad, &back, goal, back_rad, random);
+                let obstacles = self.map.capsules(caution, self.top_m);
+                let budget = left.min(if number == 0 { BUDGET / 2 } else { BUDGET / 5 });
+                let planner = Planner::new(&self.arm, &self.shapes, &obstacles, budget);
+                let mut planner = Planner { margin_m, forbidden: &own.forbidden, ..planner };
+                let found = out_and_on(&mut planner, &from_rad, &back, own.goal, back_rad, random);
                 evaluations += planner.evaluations;
                 match found {
                     Ok(path) => return (Ok(path), evaluations),
@@ -84,9 +64,9 @@ impl Surroundings<'_> {
                     Err(_) => {}
                 }
             }
-            if !self.forbidden.is_empty() {
-                self.forbidden.remove(0);
-            } else if forgotten < FORGOTTEN && map.forget_one() {
+            if !own.forbidden.is_empty() {
+                own.forbidden.remove(0);
+            } else if forgotten < FORGOTTEN && self.map.forget_one() {
                 forgotten += 1;
             } else {
                 return (Err(reason), evaluations);
@@ -106,7 +86,7 @@ fn out_and_on(
     goal: DVec3,
     back_rad: f64,
     random: &mut ChaCha8Rng,
-) -> Result<Vec<Vec<f64>>, NoWay> {
+) -> Result<Postures, NoWay> {
     if back_rad == 0.0 && planner.is_free(from_rad) {
         return planner.plan(from_rad, goal, random);
     }

@@ -2,9 +2,7 @@
 
 use underbrush_recording::ObstacleKind;
 
-use super::{
-    EVALUATION_S, FROZEN_RAD, Judged, Mapped, NoWay, Path, Pursuit, Surroundings, Touch, largest_change_rad, touches,
-};
+use super::{EVALUATION_S, FROZEN_RAD, Judged, Mapped, NoWay, Path, Pursuit, Touch, largest_change_rad, touches};
 use crate::{ControllerInput, seed};
 
 /// A goal is given up after so many stops. Choice: several times what a way takes.
@@ -31,20 +29,13 @@ impl Mapped {
 
     /// Plans a way from a posture, at first back by `back_rad`. The time that this takes passes before the arm goes on.
     pub(super) fn plan(&mut self, from_rad: &[f64], back_rad: f64) {
-        let Some(own) = &mut self.pursuit else { return };
+        let Some(mut own) = self.pursuit.take() else { return };
         let mut random = seed::stream(0, STREAM, self.plans, "planner");
         self.plans += 1;
         let (mut evaluations, mut found) = (0, Err(NoWay::NotFound));
         // Without a way the search goes on with fewer obstacles, and costs more time.
         for _ in 0..SEARCHES {
-            let mut surroundings = Surroundings {
-                arm: &self.arm,
-                shapes: &self.shapes,
-                top_m: self.top_m,
-                forbidden: &mut own.forbidden,
-                trail: &self.trail,
-            };
-            let (again, more) = surroundings.route(&mut self.map, from_rad, own.goal, back_rad, &mut random);
+            let (again, more) = self.route(&mut own, from_rad, back_rad, &mut random);
             (found, evaluations) = (again, evaluations + more);
             if found.is_ok() || found == Err(NoWay::OutOfReach) {
                 break;
@@ -67,6 +58,7 @@ impl Mapped {
             Ok(corners) => own.path = Path::new(corners, &self.step_rad),
             Err(reason) => own.given_up = Some(reason.to_string()),
         }
+        self.pursuit = Some(own);
     }
 
     /// Something stops the arm: it goes on the map, or else the postures ahead are forbidden; then a new plan.

@@ -53,7 +53,7 @@ impl<'a> Meeting<'a> {
         Meeting {
             scene,
             handles,
-            bodies: handles.map(|handle| scene.body_of(handle).into_raw_parts()),
+            bodies: mounts.map(|Mount { at, .. }| scene.placed(at.slot).bodies[at.link].into_raw_parts()),
             links,
             body_poses: mounts.map(|mount| *scene.link_pose(mount.at)),
             pair: Pair {
@@ -107,7 +107,7 @@ impl<'a> Meeting<'a> {
         let mut motions = [[DVec3::ZERO; 2]; N];
         for (link, sign) in self.links.iter().zip([1.0, -1.0]) {
             let Some(PlacedLink { slot, link }) = *link else { continue };
-            let tree = &self.scene.placed(slot).tree;
+            let tree = self.scene.tree(slot);
             let own = tree.velocities_at(link, point_world, |at| velocities(tree, at));
             for ([linear, angular], own) in motions.iter_mut().zip(own) {
                 *linear += own[0] * sign;

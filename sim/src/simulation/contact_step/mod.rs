@@ -15,14 +15,13 @@ use crate::contact::plane::Plane;
 use crate::contact::solver::{Convergence, Solver};
 use crate::contact::surface::Interface;
 use crate::physics::{PhysicsOptions, Theta};
-use blocks::Blocks;
+use blocks::{Blocks, near_stops, stop_rows};
 use candidate::{Candidate, Found, Meeting};
 
 mod apply;
 mod blocks;
 mod candidate;
 mod missed;
-mod stops;
 #[cfg(test)]
 mod tests;
 
@@ -173,7 +172,7 @@ impl ContactStep {
     fn choose_theta(&mut self, scene: &mut Scene, options: &PhysicsOptions) {
         let Scratch { candidates, nodes, contact_rate: rates, .. } = &mut self.scratch;
         rates.clear();
-        rates.resize(scene.slots(), 0.0);
+        rates.resize(scene.slots().len(), 0.0);
         for candidate in candidates.iter() {
             let Interface { stiffness_n_per_m3, layer, .. } = &candidate.law.interface;
             let hardened_m2 = |node: &Node| node.area_m2 * layer.pressed(node.overlap_m).1;
@@ -207,15 +206,15 @@ impl ContactStep {
                 let Some(PlacedLink { slot, link }) = *link else { continue };
                 let sign = if side == 0 { 1.0 } else { -1.0 };
                 let columns = solver.add_side(patch, side, blocks.block(slot));
-                candidate.fill_columns(&scene.placed(slot).tree, link, sign, blocks.places(slot), columns);
+                candidate.fill_columns(scene.tree(slot), link, sign, blocks.places(slot), columns);
             }
         }
         for (slot, block) in blocks.trees() {
             let first = solver.offset(block);
-            let (tree, places) = (&scene.placed(slot).tree, blocks.places(slot));
-            for (at, own) in stops::near(tree) {
+            let (tree, places) = (scene.tree(slot), blocks.places(slot));
+            for (at, own) in near_stops(tree) {
                 let index = places[at].map(|place| first + place);
-                solver.stops.extend(index.into_iter().flat_map(|index| stops::rows(index, own, tree)));
+                solver.stops.extend(index.into_iter().flat_map(|index| stop_rows(index, own, tree)));
             }
         }
     }

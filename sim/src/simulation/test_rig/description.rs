@@ -1,10 +1,10 @@
 //! The contents of a rig, read back from the scene, so that another engine can build the same.
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DQuat, DVec3};
 use rapier3d::prelude::*;
 use underbrush_recording::{BodyPart, BodyShape, Pose as WorldPose};
 
-use crate::dynamics::Link;
+use crate::dynamics::{Coordinate, Link};
 use crate::simulation::placed::{Placed, Scene};
 
 /// One body of a tree, and the joint that carries it.
@@ -16,41 +16,16 @@ pub struct LinkDescription {
     pub parent: Option<usize>,
     /// Whether it cannot move.
     pub fixed: bool,
-    /// Its pose.
-    pub pose_world: WorldPose,
     /// The factor by which gravity acts on it.
     pub gravity_scale: f64,
-    /// Mass, kg.
-    pub mass_kg: f64,
-    /// Centre of mass, m, body frame.
-    pub center_of_mass_body: DVec3,
-    /// Inertia about the centre of mass, kg m², axes of the body frame.
-    pub inertia_body: DMat3,
+    /// Its mass, inertia and pose.
+    pub link: Link,
     /// Pose of the joint frame in the parent's frame, and in the body's own.
     pub joint_frames: [WorldPose; 2],
-    /// The free axes of the joint.
-    pub axes: Vec<AxisDescription>,
+    /// The free axes of the joint: 0 to 2 for translation along x, y, z of the joint frame, 3 to 5 for rotation about them.
+    pub axes: Vec<(usize, Coordinate)>,
     /// The collision shapes.
     pub colliders: Vec<ColliderDescription>,
-}
-
-/// One degree of freedom.
-#[derive(Clone, Copy, Debug)]
-pub struct AxisDescription {
-    /// 0 to 2 for translation along x, y, z of the joint frame, 3 to 5 for rotation about them.
-    pub axis: usize,
-    /// Displacement, m or rad.
-    pub coordinate: f64,
-    /// Stiffness of its spring, N/m or Nm/rad.
-    pub stiffness: f64,
-    /// Rest position of its spring, m or rad.
-    pub rest: f64,
-    /// Damping, N s/m or Nm s/rad.
-    pub damping: f64,
-    /// Inertia on the axis itself, kg or kg m².
-    pub armature: f64,
-    /// Lower and upper limit, m or rad.
-    pub limits: Option<[f64; 2]>,
 }
 
 /// One collision shape.
@@ -77,26 +52,15 @@ pub(super) fn describe(placed: &Placed, scene: &Scene) -> Vec<LinkDescription> {
         let axes = coordinates.iter().map(|own| {
             let axis_frame = turn.inverse_transform_vector(own.axis_joint);
             let along = DVec3::AXES.iter().position(|axis| axis.dot(axis_frame) > 0.5).unwrap_or(0);
-            AxisDescription {
-                axis: along + if own.turns { 3 } else { 0 },
-                coordinate: own.position,
-                stiffness: own.spring.stiffness + own.spring.maxwell.map_or(0.0, |branch| branch.stiffness),
-                rest: own.spring.rest,
-                damping: own.spring.damping,
-                armature: own.spring.armature,
-                limits: own.stop.map(|stop| stop.limits_rad),
-            }
+            (along + if own.turns { 3 } else { 0 }, own.clone())
         });
         let body = placed.bodies[index];
         LinkDescription {
             body: body.into_raw_parts().0 as usize,
             parent: (index > 0).then_some(link.parent),
             fixed: !tree.moves(index),
-            pose_world: link.pose_world,
             gravity_scale: if tree.weighs { 1.0 } else { 0.0 },
-            mass_kg: link.mass_kg,
-            center_of_mass_body: link.center_of_mass_link,
-            inertia_body: link.inertia_link,
+            link: link.clone(),
             joint_frames: [link.joint_parent * turn, turn],
             axes: axes.collect(),
             colliders: scene.colliders_of(body).iter().filter_map(|own| collider(scene, *own)).collect(),

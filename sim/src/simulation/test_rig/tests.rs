@@ -13,7 +13,7 @@ fn a_cylinder_turns_about_its_own_axis() {
     let part = BodyPart { shape: BodyShape::Cylinder { radius_m: 0.02, length_m: 0.3 }, pose_body: Pose::IDENTITY };
     rig.add_free(&FreeBody::resting(part, 2.0, Surface::hard(0.3), Pose::IDENTITY)).unwrap();
     let trees = rig.describe();
-    let inertia = trees[0].last().unwrap().inertia_body;
+    let inertia = trees[0].last().unwrap().link.inertia_link;
     let across = 2.0 * (3.0 * 0.02 * 0.02 + 0.3 * 0.3) / 12.0;
     let expected = DVec3::new(across, across, 0.5 * 2.0 * 0.02 * 0.02);
     let found = DVec3::new(inertia.x_axis.x, inertia.y_axis.y, inertia.z_axis.z);

@@ -10,7 +10,6 @@ use super::arm_shapes::ArmShapes;
 use super::bare::BareSurface;
 use super::contacts::{judged, largest_share, touches};
 use super::map::{Caution, Map, Touch};
-use super::path::Path;
 use super::*;
 use crate::controller::{TaxelContact, Touched, Verdict};
 use crate::reach::ReachPlan;

@@ -12,7 +12,7 @@ fn upright(x: f64, y: f64, radius_m: f64) -> Capsule {
 }
 
 fn planner<'a>(arm: &'a Arm, shapes: &'a ArmShapes, obstacles: &'a [Capsule]) -> Planner<'a> {
-    Planner { arm, shapes, obstacles, margin_m: 0.005, forbidden: &[], budget: BUDGET, evaluations: 0 }
+    Planner::new(arm, shapes, obstacles, BUDGET)
 }
 
 /// Postures of Cody within its limits.

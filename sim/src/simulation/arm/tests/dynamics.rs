@@ -85,7 +85,7 @@ fn end_effector_force_at_rest_is_held_by_the_springs() {
             let end_effector = arm.end_effector_pose(&arm.forward_kinematics(
                 &joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>(),
             ));
-            let tree = engine.tree_mut(bodies.slot);
+            let tree = engine.scene.tree_mut(bodies.slot);
             tree.push(arm.end_effector_link, force, end_effector.position, DVec3::ZERO);
             engine.step();
         }

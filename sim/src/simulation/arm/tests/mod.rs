@@ -34,7 +34,7 @@ fn the_tree_has_the_same_poses_and_jacobians() {
     let arm = Arm::cody().unwrap();
     for posture in random_postures(&arm, 1000) {
         let (engine, bodies) = inserted(&arm, &posture);
-        let tree = engine.tree(bodies.slot);
+        let tree = engine.scene.tree(bodies.slot);
         let poses = arm.forward_kinematics(&posture);
         assert_eq!(tree.coordinates.len(), 7);
         for (index, pose) in poses.iter().enumerate() {
@@ -69,7 +69,7 @@ fn arm_stays_where_it_is_put() {
     for (joint, set) in joints(&bodies, &engine).iter().zip(&posture) {
         assert!((joint.angle_rad - set).abs() < 1e-12);
     }
-    let coordinates = &engine.tree(bodies.slot).coordinates;
+    let coordinates = &engine.scene.tree(bodies.slot).coordinates;
     assert_eq!(coordinates.len(), 7);
     for (joint, own) in arm.joints.iter().zip(coordinates) {
         assert_eq!(own.spring.damping, joint.damping_nm_s_per_rad);
@@ -135,7 +135,7 @@ fn an_engine_without_numbers_does_not_panic() {
     let arm = Arm::cody().unwrap();
     let (mut engine, bodies) = inserted(&arm, &arm.start_posture_rad());
     let nothing = vec![f64::NAN; arm.joints.len()];
-    for own in &mut engine.tree_mut(bodies.slot).coordinates {
+    for own in &mut engine.scene.tree_mut(bodies.slot).coordinates {
         own.position = f64::NAN;
     }
     assert!(

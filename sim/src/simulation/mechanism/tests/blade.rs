@@ -81,7 +81,7 @@ fn a_torque_twists_up_to_where_it_acts() {
         let mechanism = clamped(&blade, 0.0, &mut engine);
         let link = 1 + pieces;
         for _ in 0..2000 {
-            let tree = engine.tree_mut(mechanism.slot);
+            let tree = engine.scene.tree_mut(mechanism.slot);
             tree.push(link, DVec3::ZERO, DVec3::ZERO, DVec3::Z * torque_nm);
             engine.step();
         }
@@ -106,7 +106,7 @@ fn a_mass_beside_the_tip_swings_by_bending_and_twist() {
         };
         let mut engine = Engine::new(PhysicsOptions { step_s: 0.0002, gravity_m_per_s2: 0.0 });
         let mechanism = clamped_with(&blade, 0.0, weight, &mut engine);
-        let last = engine.tree(mechanism.slot).links().len() - 1;
+        let last = engine.scene.tree(mechanism.slot).links().len() - 1;
         let place = |engine: &Engine| pose(engine, mechanism, last).transform_point(DVec3::Y * beside_m).x;
         for _ in 0..50 {
             step_pushed(&mut engine, mechanism, last, DVec3::X * 0.01, DVec3::Y * beside_m);
@@ -142,7 +142,7 @@ fn buckling_share(segments: u32) -> f64 {
         let share = 0.5 * (low + high);
         let mut engine = Engine::new(PhysicsOptions { gravity_m_per_s2: 0.0, ..OPTIONS });
         let mechanism = clamped(&blade, 0.0, &mut engine);
-        let last = engine.tree(mechanism.slot).links().len() - 1;
+        let last = engine.scene.tree(mechanism.slot).links().len() - 1;
         let tip_body = DVec3::Z * (blade.length_m - blade.hinges()[segments as usize - 1].place_m);
         for step in 0..6000 {
             let nudge = if step < 20 { DVec3::X * 0.001 } else { DVec3::ZERO };
@@ -201,7 +201,7 @@ fn a_horizontal_blade_sags_as_the_elastica() {
     for _ in 0..4000 {
         engine.step();
     }
-    let last = engine.tree(mechanism.slot).links().len() - 1;
+    let last = engine.scene.tree(mechanism.slot).links().len() - 1;
     let end_m = blade.length_m - blade.hinges()[19].place_m;
     let tip = pose(&engine, mechanism, last).transform_point(DVec3::Z * end_m);
     let gamma = 9.81 * blade.mass_per_length_kg_per_m() * blade.length_m.powi(3) / blade.flexural_rigidity_n_m2;
@@ -232,10 +232,10 @@ fn a_falling_plate_reaches_its_final_speed() {
         engine.step();
         let time_s = f64::from(step) * OPTIONS.step_s;
         let expected = last_speed * (time_s * 9.81 / last_speed).tanh();
-        let found = -engine.tree(mechanism.slot).coordinates[0].velocity;
+        let found = -engine.scene.tree(mechanism.slot).coordinates[0].velocity;
         assert!((found - expected).abs() < 9.81 * OPTIONS.step_s, "{found} {expected}");
     }
-    let found = -engine.tree(mechanism.slot).coordinates[0].velocity;
+    let found = -engine.scene.tree(mechanism.slot).coordinates[0].velocity;
     assert!((found / last_speed - 1.0).abs() < 1e-4, "{found} {last_speed}");
 }
 
@@ -250,13 +250,13 @@ fn a_hinge_yields_and_keeps_a_set() {
         let mut largest = 0.0_f64;
         for step in 0..2000 {
             if step < 200 {
-                let tree = engine.tree_mut(mechanism.slot);
+                let tree = engine.scene.tree_mut(mechanism.slot);
                 tree.push(1, DVec3::ZERO, DVec3::ZERO, DVec3::Y * moment_nm);
             }
             engine.step();
-            largest = largest.max(engine.tree(mechanism.slot).coordinates[0].position);
+            largest = largest.max(engine.scene.tree(mechanism.slot).coordinates[0].position);
         }
-        let set = engine.tree(mechanism.slot).coordinates[0].position;
+        let set = engine.scene.tree(mechanism.slot).coordinates[0].position;
         let expected = (largest - 0.2 / 1.0).max(0.0);
         assert!((set - expected).abs() < 1e-6, "{set} {expected}");
         assert_eq!(expected > 0.0, moment_nm > 0.2);
@@ -273,9 +273,9 @@ fn plants_stand_as_they_are_drawn() {
         let plant = group.0.draw(&mut ChaCha8Rng::seed_from_u64(seed), &footing).unwrap().0;
         let mut engine = Engine::new(OPTIONS);
         let mechanism = Mechanism::build(&plant.structure(9.81), &mut engine, DVec3::ZERO, 0.0);
-        let last = engine.tree(mechanism.slot).links().len() - 1;
+        let last = engine.scene.tree(mechanism.slot).links().len() - 1;
         let away = |engine: &Engine| {
-            let coordinates = &engine.tree(mechanism.slot).coordinates;
+            let coordinates = &engine.scene.tree(mechanism.slot).coordinates;
             coordinates.iter().map(|own| own.position.abs()).fold(0.0, f64::max)
         };
         for _ in 0..200 {

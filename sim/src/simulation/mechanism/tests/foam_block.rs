@@ -85,7 +85,7 @@ fn a_free_block_slides_at_its_friction() {
         let mechanism = build(&block, &mut engine);
         let mut speed = |seconds: f64| {
             push(&mut engine, mechanism, 1, DVec3::X * 1.3 * slipping_n(&block), 0.03, seconds);
-            engine.tree(mechanism.slot).coordinates[0].velocity
+            engine.scene.tree(mechanism.slot).coordinates[0].velocity
         };
         let (early, late) = (speed(0.5), speed(0.5));
         let expected = 0.3 * TABLE_FRICTION * OPTIONS.gravity_m_per_s2;

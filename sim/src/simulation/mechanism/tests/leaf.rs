@@ -18,7 +18,7 @@ fn tip_deflection(leaf: &Leaf, force: DVec3) -> DVec3 {
     let options = PhysicsOptions { step_s: 0.01, gravity_m_per_s2: 0.0 };
     let mut engine = Engine::new(options);
     let mechanism = build(leaf, &mut engine);
-    let last = engine.tree(mechanism.slot).links().len() - 1;
+    let last = engine.scene.tree(mechanism.slot).links().len() - 1;
     let tip_local = DVec3::Z * (leaf.height_m - leaf.hinges()[leaf.segments as usize - 1].place_m);
     for _ in 0..4000 {
         step_pushed(&mut engine, mechanism, last, force, tip_local);
@@ -101,7 +101,7 @@ fn a_root_is_held_up_to_its_force() {
 fn a_root_that_is_out_is_free() {
     let mut engine = Engine::new(PhysicsOptions { step_s: 0.001, gravity_m_per_s2: 9.81 });
     let leaf = build(&pulled_leaf(), &mut engine);
-    let mass_kg: f64 = engine.tree(leaf.slot).links().iter().map(|link| link.mass_kg).sum();
+    let mass_kg: f64 = engine.scene.tree(leaf.slot).links().iter().map(|link| link.mass_kg).sum();
     let pull_n = 2.02 + mass_kg * 9.81;
     let mut steps = 0;
     while pose(&engine, leaf, 1).position.z < 0.045 {
@@ -110,7 +110,7 @@ fn a_root_that_is_out_is_free() {
         assert!(steps < 2000, "the root does not come out");
     }
     let center_m = |engine: &Engine| {
-        let links = engine.tree(leaf.slot).links().iter();
+        let links = engine.scene.tree(leaf.slot).links().iter();
         links.map(|link| link.pose_world.transform_point(link.center_of_mass_link).z * link.mass_kg).sum::<f64>()
             / mass_kg
     };
@@ -130,7 +130,7 @@ fn a_leaf_that_is_pulled_out_lies_down() {
     let mut engine = Engine::new(PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 9.81 });
     engine.lay_table(-0.1);
     let leaf = build(&pulled_leaf(), &mut engine);
-    let last = engine.tree(leaf.slot).links().len() - 1;
+    let last = engine.scene.tree(leaf.slot).links().len() - 1;
     let mut steps = 0;
     while pose(&engine, leaf, 1).position.z < 0.06 {
         step_pushed(&mut engine, leaf, 1, DVec3::new(0.3, 0.0, 3.0), DVec3::ZERO);
@@ -143,7 +143,7 @@ fn a_leaf_that_is_pulled_out_lies_down() {
     let heights = (1..=last).map(|link| pose(&engine, leaf, link).position.z + 0.1);
     let heights: Vec<f64> = heights.collect();
     assert!(heights.iter().all(|height| (-0.003..0.06).contains(height)), "{heights:?}");
-    let speeds = engine.tree(leaf.slot).coordinates.iter().map(|own| own.velocity.abs());
+    let speeds = engine.scene.tree(leaf.slot).coordinates.iter().map(|own| own.velocity.abs());
     assert!(speeds.fold(0.0, f64::max) < 0.1);
 }
 

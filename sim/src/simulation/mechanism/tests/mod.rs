@@ -20,7 +20,7 @@ fn build(object: &dyn Object, engine: &mut Engine) -> Mechanism {
 
 /// Makes a step in which a force acts on a body at one of its points, m, body frame.
 fn step_pushed(engine: &mut Engine, mechanism: Mechanism, body: usize, force_world: DVec3, point_body: DVec3) {
-    let tree = engine.tree_mut(mechanism.slot);
+    let tree = engine.scene.tree_mut(mechanism.slot);
     let point = tree.links()[body].pose_world.transform_point(point_body);
     tree.push(body, force_world, point, DVec3::ZERO);
     engine.step();
@@ -28,5 +28,5 @@ fn step_pushed(engine: &mut Engine, mechanism: Mechanism, body: usize, force_wor
 
 /// The pose of a body.
 fn pose(engine: &Engine, mechanism: Mechanism, body: usize) -> Pose {
-    engine.tree(mechanism.slot).links()[body].pose_world
+    engine.scene.tree(mechanism.slot).links()[body].pose_world
 }
