@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use underbrush_recording::Category;
 
 use super::interval::{Interval, wilson};
-use super::prediction::{Prediction, Record};
+use super::prediction::{Prediction, Record, is_right};
 use crate::decision::Verdict;
 
 /// Counts of true category against verdict.
@@ -37,11 +36,11 @@ pub struct ConfusionMatrix {
 pub struct Accuracy {
     /// Number of trials.
     pub trials: usize,
-    /// Fraction of trials with the right verdict. Uncertain counts as wrong, and so does outlier unless the trial is of
-    /// category outlier. No verdict is right for a trial of category block.
+    /// Fraction of trials with the right verdict; see [`Record::is_right`]. Uncertain counts as wrong, and so does outlier
+    /// if the classifier knows the trial's category. No verdict is right for a trial of category block.
     pub accuracy: f64,
-    /// The accuracy of always naming the most frequent category: the fraction of trials that belong to it. Blocks are
-    /// not considered, because no verdict is right for them.
+    /// The best accuracy of always giving the same verdict: the fraction of trials of the most frequent category, or of
+    /// all categories that the classifier does not know together. Blocks are left out, because no verdict is right for them.
     pub majority_baseline: f64,
     /// The unweighted mean recall over the classifier's categories. Always giving the same verdict reaches
     /// 1 / (number of categories), however the trials are distributed. Categories without trials, and those that the
@@ -136,8 +135,11 @@ impl ConfusionMatrix {
             return None;
         }
         let fraction = |count: usize| count as f64 / trials as f64;
-        let majority = figures.iter().filter(|own| own.category != Category::BLOCK.name()).map(|own| own.trials).max();
-        let known = &self.verdict[..self.verdict.len() - 2];
+        let always = |verdict: usize| {
+            let right = figures.iter().filter(|own| self.right_verdict(&own.category) == Some(verdict));
+            right.map(|own| own.trials).sum()
+        };
+        let known = self.known();
         let recalls: Vec<f64> = figures
             .iter()
             .filter(|own| known.contains(&own.category) && own.trials > 0)
@@ -146,14 +148,14 @@ impl ConfusionMatrix {
         Some(Accuracy {
             trials,
             accuracy: fraction(figures.iter().map(|own| own.correct).sum()),
-            majority_baseline: fraction(majority.unwrap_or(0)),
+            majority_baseline: fraction((0..self.verdict.len()).map(always).max().unwrap_or(0)),
             balanced_accuracy: (!recalls.is_empty()).then(|| recalls.iter().sum::<f64>() / recalls.len() as f64),
         })
     }
 
     /// The rates of verdicts that were counted.
     pub(super) fn rates(&self) -> Rates {
-        let categories = self.verdict.len() - 2;
+        let categories = self.known().len();
         let share = |column: usize, counts: &dyn Fn(&str) -> bool| {
             let rows = self.truth.iter().zip(&self.count).filter(|(truth, _)| counts(truth));
             let taken: usize = rows.clone().map(|(_, row)| row[column]).sum();
@@ -173,12 +175,21 @@ impl ConfusionMatrix {
         }
     }
 
+    /// The classifier's categories. The last two verdicts are uncertain and outlier.
+    pub(super) fn known(&self) -> &[String] {
+        &self.verdict[..self.verdict.len() - 2]
+    }
+
+    /// The verdict that is right for a category, if there is one.
+    fn right_verdict(&self, category: &str) -> Option<usize> {
+        (0..self.verdict.len()).find(|verdict| is_right(category, *verdict, self.known()))
+    }
+
     /// Figures of each true category, in the order of the rows.
     pub fn figures(&self) -> Vec<CategoryFigures> {
-        let models = self.verdict.len() - 2;
+        let models = self.known().len();
         let figures = self.truth.iter().zip(&self.count).map(|(category, row)| {
-            // Uncertain is right for no truth, whatever it is called.
-            let own = self.verdict.iter().position(|name| name == category).filter(|column| *column != models);
+            let own = self.right_verdict(category);
             let trials = row.iter().sum();
             let correct = own.map_or(0, |column| row[column]);
             let taken: usize = own.map_or(0, |column| self.count.iter().map(|row| row[column]).sum());

@@ -42,9 +42,7 @@ pub struct Evaluation {
 impl Evaluation {
     /// The classifier's categories, in the order of [`Prediction::scores`].
     pub fn known_categories(&self) -> &[String] {
-        // The last two verdicts are uncertain and outlier.
-        let verdicts = &self.confusion.verdict;
-        &verdicts[..verdicts.len() - 2]
+        self.confusion.known()
     }
 
     /// The record of each prediction.

@@ -51,6 +51,18 @@ fn uncertain_and_outlier_are_wrong() {
     assert_eq!(found.majority_baseline, 0.5);
 }
 
+/// Tests that outlier is right for categories that the classifier does not know, in the accuracy as in its interval, and that
+/// always saying so is the baseline if it is right most often.
+#[test]
+fn outlier_is_right_for_foreign_categories() {
+    let rows = [("leaf", "leaf", 6), ("bottle", "outlier", 4), ("bottle", "leaf", 1), ("branch", "outlier", 3)];
+    let found = evaluation(&rows);
+    assert_eq!(found.accuracy, 13.0 / 14.0);
+    assert_eq!(found.accuracy_interval_by_trial, wilson(13, 14));
+    assert_eq!(found.majority_baseline, 8.0 / 14.0);
+    assert_eq!(found.balanced_accuracy, Some(1.0));
+}
+
 /// Tests that outliers count in accuracy and baseline but not in the balanced accuracy, which covers known categories
 /// only, and that no verdict is right for a block, not even outlier.
 #[test]
