@@ -73,7 +73,7 @@ fn campaign(bencher: Bencher) {
         let frames = AtomicU64::new(0);
         let receive = |position, recording: Recording| {
             frames.fetch_add(recording.frames.len() as u64, Ordering::Relaxed);
-            write_recording(folder.path().join(format!("{position}.parquet")), &recording).map_err(Fault::from)
+            write_recording(&folder.path().join(format!("{position}.parquet")), &recording).map_err(Fault::from)
         };
         campaign::run_until(&plans, &jobs, receive, &|| false).expect("there is room for the clutter");
         frames.into_inner()

@@ -13,8 +13,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
+use underbrush_recording::fault::line_of_row;
 use underbrush_recording::limits::CSV_BYTES;
-use underbrush_recording::text_line::line_of_row;
 use underbrush_recording::{InputError, math, read_text};
 
 /// Fewest samples under load.

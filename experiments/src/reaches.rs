@@ -107,7 +107,7 @@ impl Search {
             while index.drawn < self.max_draws && index.found.len() < self.enough {
                 let recording = self.plan.run_until(index.drawn, &mut |_| {}, &|| progress.is_stopped())?;
                 if self.wanted.is(&recording, &self.options)? {
-                    write_recording(file(index.drawn), &recording)?;
+                    write_recording(&file(index.drawn), &recording)?;
                     index.found.push(index.drawn);
                     new.insert(index.drawn, recording);
                 }

@@ -153,7 +153,7 @@ pub fn merge(
 ) -> Result<PyDataset, Failure> {
     make_room(&out, &parts, resume, force)?;
     let out = lasting(&out)?;
-    let merge = |_: &_| match Shards::open(parts)?.merge(&out, resume, stop::check) {
+    let merge = |_: &_| match Shards::open(&parts)?.merge(&out, resume, stop::check) {
         // With `resume`, this means that the set has the same plan.
         Err(DiskError::Finished { .. }) if resume => Ok(Dataset::open(&out)?),
         merged => Ok(merged?),

@@ -10,26 +10,19 @@
 pub mod audit;
 pub mod body;
 pub mod category;
-pub mod channels;
 pub mod contact_point;
 #[cfg(feature = "disk")]
 pub mod disk;
-mod distinct;
 pub mod fault;
 pub mod frame;
-pub mod input_error;
 pub mod layout;
 pub mod limits;
-pub mod mapped_obstacle;
 pub mod math;
 pub mod outcome;
 pub mod plain_text;
 pub mod reach;
 pub mod regular_file;
 pub mod stop;
-pub mod text_line;
-#[cfg(feature = "toml")]
-pub mod toml_line;
 #[cfg(feature = "toml")]
 mod toml_shape;
 #[cfg(feature = "toml")]
@@ -37,26 +30,36 @@ pub mod toml_text;
 pub mod trial;
 
 pub use audit::{Audit, AuditField};
-pub use body::{Body, BodyOwner, BodyPart, BodyShape, TrackPoint};
+pub use body::{Body, BodyOwner, BodyPart, BodyShape, MappedObstacle, ObstacleKind, TrackPoint};
 pub use category::Category;
-pub use channels::Channels;
 pub use contact_point::ContactPoint;
 #[cfg(feature = "disk")]
 pub use disk::{Dataset, DiskError};
-pub use distinct::distinct;
-pub use fault::Fault;
+pub use fault::{Fault, InputError, line_at};
 pub use frame::{FRAME_PERIOD_S, Frame, Pose, TaxelReading, unit_quaternion};
-pub use input_error::InputError;
 pub use layout::{Grid, Patch, SkinLayout, Taxel};
 pub use limits::{JSON_BYTES, Limits, TEXT_BYTES, short};
-pub use mapped_obstacle::{MappedObstacle, ObstacleKind};
 pub use outcome::{GoalOutcomes, NamedStop, Outcome, SafetyStop};
 pub use plain_text::{PLAIN, escaped, is_plain, shortened};
 pub use reach::{Contact, ContactForces, GoalRecord, ObjectRecord, Recording};
 pub use regular_file::{open_regular, read_bytes, read_text};
-pub use text_line::line_at;
 #[cfg(feature = "toml")]
-pub use toml_line::{line_giving, line_setting};
-#[cfg(feature = "toml")]
-pub use toml_text::parse_toml;
-pub use trial::{Region, Sample, Trial, period_s};
+pub use toml_text::{line_giving, line_setting, parse_toml};
+pub use trial::{Channels, Region, Sample, Trial, period_s};
+
+/// The different ones among `all`, in the order in which they first occur.
+///
+/// ```
+/// use underbrush_recording::distinct;
+///
+/// assert_eq!(distinct(["leaf", "trunk", "leaf"]), ["leaf", "trunk"]);
+/// ```
+pub fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut found = Vec::new();
+    for one in all {
+        if !found.contains(&one) {
+            found.push(one);
+        }
+    }
+    found
+}

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::{Audit, Body, Category, Frame, GoalOutcomes, MappedObstacle, NamedStop, Outcome, SafetyStop, SkinLayout};
 
@@ -150,10 +150,16 @@ pub struct Recording {
     /// The controller's map, if it keeps one, sorted by first frame.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub map: Vec<MappedObstacle>,
-    /// The samples.
+    /// The samples. As the tracks of bodies, they are not serialized: files have them in columns.
+    #[serde(serialize_with = "no_frames")]
     pub frames: Vec<Frame>,
     /// Residuals of the physics.
     pub audit: Audit,
+}
+
+/// Serializes an empty list in place of frames.
+fn no_frames<S: Serializer>(_: &[Frame], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq([(); 0])
 }
 
 impl Recording {

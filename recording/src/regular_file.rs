@@ -32,8 +32,8 @@ pub fn open_regular(path: &Path, allowed: &str, remedy: &str) -> Result<File, In
         return Err(refused("a folder"));
     }
     if !kind.is_file() {
-        let remedy = "copy its content to a file, and give that";
-        return Err(InputError::new(path, "file", "a pipe or a device", allowed, remedy));
+        let remedy = "copy its content to a file, and give that".into();
+        return Err(InputError { remedy, ..refused("a pipe or a device") });
     }
     File::open(path).map_err(failed)
 }

@@ -12,7 +12,7 @@ use toml::de::{DeTable, DeValue};
 pub(crate) fn misfit(schema: &Value, text: &str) -> Option<(usize, String)> {
     let table = DeTable::parse(text).ok()?;
     let span = table.span();
-    Shapes { root: schema }.misfit(schema, &Spanned::new(span, DeValue::Table(table.into_inner())), false)
+    misfit_within(schema, schema, &Spanned::new(span, DeValue::Table(table.into_inner())), false)
 }
 
 const ARRAY: &str = "an array";
@@ -28,59 +28,48 @@ fn kind_of(name: &str) -> &'static str {
     }
 }
 
-/// A schema, within which references are found.
-struct Shapes<'a> {
-    root: &'a Value,
-}
-
-impl Shapes<'_> {
-    /// Unknown keys tell choices apart; otherwise the parser has accepted them.
-    fn misfit(&self, schema: &Value, value: &Spanned<DeValue>, is_choice: bool) -> Option<(usize, String)> {
-        if let Some(name) = schema["$ref"].as_str() {
-            return self.misfit(self.root.pointer(name.trim_start_matches('#'))?, value, is_choice);
+/// As [`misfit`], of a part of the schema `root`, within which references are found. Unknown keys tell choices apart;
+/// otherwise the parser has accepted them.
+fn misfit_within(root: &Value, schema: &Value, value: &Spanned<DeValue>, is_choice: bool) -> Option<(usize, String)> {
+    if let Some(name) = schema["$ref"].as_str() {
+        return misfit_within(root, root.pointer(name.trim_start_matches('#'))?, value, is_choice);
+    }
+    for choices in [&schema["oneOf"], &schema["anyOf"]].into_iter().filter_map(Value::as_array) {
+        // Where no choice fits, the one that fits the furthest is meant.
+        let misfits: Option<Vec<_>> = choices.iter().map(|choice| misfit_within(root, choice, value, true)).collect();
+        if let Some(furthest) = misfits.and_then(|all| all.into_iter().max_by_key(|(place, _)| *place)) {
+            return Some(furthest);
         }
-        for choices in [&schema["oneOf"], &schema["anyOf"]].into_iter().filter_map(Value::as_array) {
-            // Where no choice fits, the one that fits the furthest is meant.
-            let misfits: Option<Vec<_>> = choices.iter().map(|choice| self.misfit(choice, value, true)).collect();
-            if let Some(furthest) = misfits.and_then(|all| all.into_iter().max_by_key(|(place, _)| *place)) {
-                return Some(furthest);
+    }
+    let fault = |found: String, expected: &str| Some((value.span().start, format!("{found}, expected {expected}")));
+    let kinds = match &schema["type"] {
+        Value::Array(kinds) => kinds.as_slice(),
+        Value::Null => &[],
+        kind => std::slice::from_ref(kind),
+    };
+    let wanted: Vec<&str> = kinds.iter().filter_map(Value::as_str).map(kind_of).collect();
+    let is_wanted = |kind: &str| wanted.is_empty() || wanted.contains(&kind);
+    match value.get_ref() {
+        DeValue::Array(_) if !is_wanted(ARRAY) => fault(ARRAY.into(), wanted[0]),
+        DeValue::Table(_) if !is_wanted(TABLE) => fault(TABLE.into(), wanted[0]),
+        DeValue::Array(all) => {
+            if let Some(most) = schema["maxItems"].as_u64().filter(|most| all.len() as u64 > *most) {
+                return fault(format!("{ARRAY} of {}", all.len()), &format!("{ARRAY} of {most}"));
             }
+            let schema_of = |place: usize| schema["prefixItems"].get(place).unwrap_or(&schema["items"]);
+            all.iter().enumerate().find_map(|(place, own)| misfit_within(root, schema_of(place), own, is_choice))
         }
-        let fault = |found: String, expected: &str| Some((value.span().start, format!("{found}, expected {expected}")));
-        let kinds = match &schema["type"] {
-            Value::Array(kinds) => kinds.as_slice(),
-            Value::Null => &[],
-            kind => std::slice::from_ref(kind),
-        };
-        let wanted: Vec<&str> = kinds.iter().filter_map(Value::as_str).map(kind_of).collect();
-        let kind = match value.get_ref() {
-            DeValue::Array(_) => ARRAY,
-            DeValue::Table(_) => TABLE,
-            // The parser takes single values for nothing else.
-            _ => return None,
-        };
-        if !wanted.is_empty() && !wanted.contains(&kind) {
-            return fault(kind.into(), wanted[0]);
-        }
-        match value.get_ref() {
-            DeValue::Array(all) => {
-                if let Some(most) = schema["maxItems"].as_u64().filter(|most| all.len() as u64 > *most) {
-                    return fault(format!("{ARRAY} of {}", all.len()), &format!("{ARRAY} of {most}"));
+        DeValue::Table(table) => table.iter().find_map(|(key, own)| {
+            let others = &schema["additionalProperties"];
+            match schema["properties"].get(key.get_ref().as_ref()) {
+                Some(schema) => misfit_within(root, schema, own, is_choice),
+                None if others == false => {
+                    is_choice.then(|| (key.span().start, format!("unknown field `{}`", key.get_ref())))
                 }
-                let schema_of = |place: usize| schema["prefixItems"].get(place).unwrap_or(&schema["items"]);
-                all.iter().enumerate().find_map(|(place, own)| self.misfit(schema_of(place), own, is_choice))
+                None => misfit_within(root, others, own, is_choice),
             }
-            DeValue::Table(table) => table.iter().find_map(|(key, own)| {
-                let others = &schema["additionalProperties"];
-                match schema["properties"].get(key.get_ref().as_ref()) {
-                    Some(schema) => self.misfit(schema, own, is_choice),
-                    None if others == false => {
-                        is_choice.then(|| (key.span().start, format!("unknown field `{}`", key.get_ref())))
-                    }
-                    None => self.misfit(others, own, is_choice),
-                }
-            }),
-            _ => None,
-        }
+        }),
+        // The parser takes single values for nothing else.
+        _ => None,
     }
 }

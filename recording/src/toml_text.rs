@@ -1,13 +1,15 @@
-//! Reads text files in TOML. Errors have the line, the key, and words that a reader of the file can understand.
+//! Reads text files in TOML. Errors have the line, the key, and words that a reader of the file can understand. For
+//! errors that are found after parsing, the line of a key can be looked up.
 
 use std::path::Path;
 
 use schemars::{JsonSchema, SchemaGenerator};
 use serde::de::DeserializeOwned;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
 
-use crate::InputError;
-use crate::text_line::line_at;
 use crate::toml_shape::misfit;
+use crate::{InputError, line_at};
 
 /// The key that the line at `offset` sets, preceded by the name of its table, such as `goals.count`. Empty if the line
 /// sets none and no table is open.
@@ -75,23 +77,45 @@ fn toml_fault(path: &Path, text: &str, kind: &str, (message, offset): (&str, usi
     InputError::new(path, field, found, allowed, remedy).at_line(line_at(text, offset))
 }
 
+/// The line at which a file sets a field such as `goals.count` or `objects.leaf[1].height_m`, counted from 1; `None` if it does
+/// not.
+pub fn line_setting(text: &str, field: &str) -> Option<usize> {
+    line_giving(text, field, &|_| true)
+}
+
+/// The line at which a file gives a field a value whose text is the one that is looked for. Where `field` names a list of
+/// tables without a number, this is in the first table that gives such a value.
+pub fn line_giving(text: &str, field: &str, is_value: &dyn Fn(&str) -> bool) -> Option<usize> {
+    let table = DeTable::parse(text).ok()?;
+    let is_value = |value: &Spanned<DeValue>| is_value(&text[value.span()]);
+    Some(line_at(text, place(table.get_ref(), field, &is_value)?))
+}
+
+/// The byte at which a table gives a field such a value.
+fn place(table: &DeTable, field: &str, is_value: &dyn Fn(&Spanned<DeValue>) -> bool) -> Option<usize> {
+    let (first, rest) = field.split_once('.').map_or((field, None), |(first, rest)| (first, Some(rest)));
+    let numbered = first.strip_suffix(']').and_then(|first| first.split_once('['));
+    let (name, number) = numbered.map_or((first, None), |(name, number)| (name, number.parse::<usize>().ok()));
+    let (key, value) = table.iter().find(|(key, _)| key.get_ref() == name)?;
+    let within = |value: &Spanned<DeValue>| match (value.get_ref(), rest) {
+        (DeValue::Table(table), Some(rest)) => place(table, rest, is_value),
+        (_, Some(_)) => None,
+        (_, None) => is_value(value).then(|| value.span().start),
+    };
+    match (value.get_ref(), number) {
+        (DeValue::Array(all), Some(number)) => within(all.get(number)?),
+        (DeValue::Array(all), None) if rest.is_some() => all.iter().find_map(within),
+        _ => within(value).map(|place| if rest.is_none() { key.span().start } else { place }),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Tests the key of a line of a table, of one before all tables, of a header, and of an inline table.
-    #[test]
-    fn keys_are_named_with_their_table() {
-        let text = "name = 1\n\n[[objects.leaf]]\n  count = 2\npoints = [\n    { position_m = 3 },\n]\n";
-        for (part, key) in [
-            ("1", "name"),
-            ("[[objects", "objects.leaf"),
-            ("2", "objects.leaf.count"),
-            ("3 }", "objects.leaf.position_m"),
-        ] {
-            assert_eq!(key_at(text, text.find(part).unwrap()), key);
-        }
-    }
+    /// A file whose lines are looked up.
+    const TEXT: &str = "top = { inner = 1 }\nstates = [5, 10]\n\n[goals]\ncount = 4\n\"quoted\" = 2\n\n[[objects.leaf]]\ncount = 3\n\n\
+                        [[objects.leaf]]\nplace.x_m = 0.5\ncount_of_all = 1\ncount = 1_0.0\n";
 
     /// Tests that no error names a number type of Rust, and that other messages stay as they are.
     #[test]
@@ -104,6 +128,53 @@ mod tests {
             "invalid boolean, expected `true`",
         ] {
             assert_eq!(in_words(message), (message, None));
+        }
+    }
+
+    /// Tests that a field is found under its table, in inline tables, as a dotted or quoted key and by its number in a list,
+    /// and that a longer key is not taken for it.
+    #[test]
+    fn a_field_is_found_where_it_is_set() {
+        let lines = [
+            ("top.inner", Some(1)),
+            ("states", Some(2)),
+            ("goals", Some(4)),
+            ("goals.count", Some(5)),
+            ("goals.quoted", Some(6)),
+            ("objects.leaf[0]", Some(8)),
+            ("objects.leaf[0].count", Some(9)),
+            ("objects.leaf[1]", Some(11)),
+            ("objects.leaf[1].place.x_m", Some(12)),
+            ("objects.leaf[1].count", Some(14)),
+            ("objects.leaf.count", Some(9)),
+            ("objects.leaf[2].count", None),
+            ("goals.retries", None),
+            ("inner", None),
+        ];
+        for (field, line) in lines {
+            assert_eq!(line_setting(TEXT, field), line, "{field}");
+        }
+    }
+
+    /// Tests that of a list of tables the one with the value counts.
+    #[test]
+    fn a_value_is_found_in_the_table_that_gives_it() {
+        assert_eq!(line_giving(TEXT, "objects.leaf.count", &|text| text == "1_0.0"), Some(14));
+        assert_eq!(line_giving(TEXT, "states", &|text| text.contains("10")), Some(2));
+        assert_eq!(line_giving(TEXT, "objects.leaf.count", &|text| text == "7"), None);
+    }
+
+    /// Tests the key of a line of a table, of one before all tables, of a header, and of an inline table.
+    #[test]
+    fn keys_are_named_with_their_table() {
+        let text = "name = 1\n\n[[objects.leaf]]\n  count = 2\npoints = [\n    { position_m = 3 },\n]\n";
+        for (part, key) in [
+            ("1", "name"),
+            ("[[objects", "objects.leaf"),
+            ("2", "objects.leaf.count"),
+            ("3 }", "objects.leaf.position_m"),
+        ] {
+            assert_eq!(key_at(text, text.find(part).unwrap()), key);
         }
     }
 }

@@ -93,7 +93,7 @@ fn write_recordings(folder: &Path, recordings: &[Recording]) -> Result<(), Failu
     let written = temporary.path().join("recordings");
     std::fs::create_dir(&written).map_err(failed)?;
     for recording in recordings {
-        write_recording(written.join(format!("reach-{:06}.parquet", recording.reach_index)), recording)?;
+        write_recording(&written.join(format!("reach-{:06}.parquet", recording.reach_index)), recording)?;
     }
     if folder.exists() {
         std::fs::remove_dir_all(folder).map_err(failed)?;

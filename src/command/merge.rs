@@ -29,9 +29,8 @@ pub struct MergeOptions {
 /// Joins the parts.
 pub fn run(options: MergeOptions, json: bool) -> Result<(), Failure> {
     let MergeOptions { parts, out, resume, overwrite } = options;
-    let inputs = parts.clone();
-    let shards = Shards::open(parts)?;
-    overwrite.dataset(&out, &inputs)?;
+    let shards = Shards::open(&parts)?;
+    overwrite.dataset(&out, &parts)?;
     interrupt::kept("what is complete is", &out, "the same command with --resume");
     let bar = progress::bar(shards.plan().episodes.len() as u64, "reaches");
     let dataset = match shards.merge(&out, resume, move || bar.inc(1)) {

@@ -25,7 +25,7 @@ fn sets_and_recordings_of_all_versions_are_read() {
     for version in versions() {
         let set = Dataset::open(version.join("set")).unwrap();
         set.verify().unwrap();
-        let (from_set, alone) = (set.read_reach(0).unwrap(), read_recording(version.join("reach.parquet")).unwrap());
+        let (from_set, alone) = (set.read_reach(0).unwrap(), read_recording(&version.join("reach.parquet")).unwrap());
         assert!(from_set.frames.len() > 10 && !from_set.objects.is_empty(), "{}", version.display());
         assert_eq!(from_set.frames, alone.frames, "{}", version.display());
     }

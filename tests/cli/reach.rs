@@ -17,9 +17,9 @@ fn a_seed_decides_a_reach() {
     };
     let [first, again] = ["first.parquet", "again.parquet"].map(|name| run(name, "7", "0"));
     assert!(std::fs::read(&first).unwrap() == std::fs::read(again).unwrap());
-    let first = read_recording(first).unwrap();
+    let first = read_recording(&first).unwrap();
     for (name, seed, index) in [("seed.parquet", "8", "0"), ("index.parquet", "7", "1")] {
-        let other = read_recording(run(name, seed, index)).unwrap();
+        let other = read_recording(&run(name, seed, index)).unwrap();
         assert_ne!(first.objects, other.objects);
         assert_ne!(first.goals[0].position_world, other.goals[0].position_world);
     }
@@ -34,7 +34,7 @@ fn a_reach_is_that_of_its_campaign() {
     underbrush!["generate", scene, "--reaches", "2", "--seed", "6", "--out", set].success();
     underbrush!["reach", scene, "--seed", "6", "--index", "1", "--out", file].success();
     let in_set = underbrush_recording::disk::Dataset::open(set).unwrap().read_reach(1).unwrap();
-    assert!(in_set == read_recording(file).unwrap());
+    assert!(in_set == read_recording(&file).unwrap());
 }
 
 /// Tests that goals reached, true contact, contacts and peak force in the JSON output agree with the recording, and
@@ -45,7 +45,7 @@ fn the_report_agrees_with_the_recording() {
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::TRUNKS_AT_FOREARM);
     let [file, picture] = ["reach.parquet", "reach.png"].map(|name| folder.path().join(name));
     let report = underbrush!["reach", scene, "--out", file, "--picture", picture, "--json"].json();
-    let recording = read_recording(file).unwrap();
+    let recording = read_recording(&file).unwrap();
     assert_eq!(report["goals_reached"], recording.goal_outcomes().reached);
     assert_eq!(report["goals"].as_array().unwrap().len(), recording.goals.len());
     assert_eq!(report["touched_frames"]["forearm"], recording.touched_frames()["forearm"]);
@@ -112,7 +112,7 @@ fn the_blind_controller_pushes_on() {
     let file = folder.path().join("reach.parquet");
     let report = underbrush!["reach", scene, "--controller", "blind", "--out", file, "--json"].json();
     assert_eq!(report["controller"], "blind");
-    assert_eq!(read_recording(file).unwrap().controller, "blind");
+    assert_eq!(read_recording(&file).unwrap().controller, "blind");
 }
 
 /// Tests that arms without a patch called `forearm` work: trials are those of the first patch unless another is named,

@@ -174,7 +174,7 @@ fn a_recording_gives_the_trials_of_its_reach() {
     let file = folder.path().join("reach.parquet");
     let trials = recording_with_trials(&fixture().trunk_scene(), &file);
     assert!(trials.iter().map(|trial| trial.trial).eq(0..trials.len() as u64));
-    let frames = read_recording(file).unwrap().frames;
+    let frames = read_recording(&file).unwrap().frames;
     let sensed = |frame: &underbrush_recording::Frame| {
         frame.taxels.iter().filter(|reading| reading.patch == 0 && is_in_contact(reading)).count()
     };

@@ -33,7 +33,7 @@ fn a_set_with_verdicts_is_made_again_with_its_model() {
     underbrush!["generate", scene, "--reaches", "2", "--seed", "4", "--verdicts", model, "--out", set].success();
     #[rustfmt::skip]
     underbrush!["reach", scene, "--seed", "4", "--index", "0", "--verdicts", model, "--out", file].success();
-    let recording = read_recording(file).unwrap();
+    let recording = read_recording(&file).unwrap();
     assert!(Dataset::open(&set).unwrap().read_reach(0).unwrap() == recording);
     assert_eq!(recording.controller, "cody-2013+verdicts");
 

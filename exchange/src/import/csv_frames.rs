@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use underbrush_recording::fault::line_of_row;
 use underbrush_recording::limits::{CSV_BYTES, short};
-use underbrush_recording::text_line::line_of_row;
 use underbrush_recording::{InputError, read_bytes};
 
 use super::Mapping;

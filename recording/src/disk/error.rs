@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use parquet::errors::ParquetError;
 
-use crate::InputError;
+use crate::{Fault, InputError};
 
 /// An error of [`crate::disk`]. The message names the file and the remedy.
 #[derive(Debug, thiserror::Error)]
@@ -102,6 +102,21 @@ impl From<InputError> for DiskError {
             return DiskError::Input(error);
         }
         DiskError::Io { path: error.file, action: "read", source: io::Error::other(error.found) }
+    }
+}
+
+/// Most of these errors mean a bad folder or file.
+impl From<DiskError> for Fault {
+    fn from(error: DiskError) -> Self {
+        match error {
+            DiskError::Input(input) => input.into(),
+            // A Parquet file that cannot be written is among these, because the cause is almost always a disk that is full
+            // or fails, although the error does not always say so.
+            DiskError::Io { .. } | DiskError::Encode { .. } => Fault::Storage(error.to_string()),
+            // The run failed.
+            DiskError::Unwritable { .. } => Fault::Run(error.to_string()),
+            other => Fault::Usage(other.to_string()),
+        }
     }
 }
 

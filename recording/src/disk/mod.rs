@@ -14,10 +14,9 @@
 mod check;
 mod dataset;
 mod error;
-mod input_file;
-mod output_file;
+mod footer;
+mod named_path;
 mod recording_file;
-mod seal;
 mod table;
 mod tables;
 #[cfg(test)]
@@ -31,8 +30,7 @@ pub use dataset::{
     file_blake3, remove_dataset,
 };
 pub use error::DiskError;
-pub use input_file::{is_folder, is_there};
-pub use output_file::{check_free, check_not_input};
+pub use named_path::{check_free, check_not_input, is_folder, is_there};
 pub use recording_file::{is_recording, read_recording, recording_columns, recording_table, write_recording};
 pub use table::batch::Batch;
 pub use table::column::{Column, Rows, Text, Values};

@@ -12,7 +12,7 @@ use super::tables::frames::{
 };
 use super::tables::truth_columns::{TRUTH_COLUMNS, moves};
 use super::whole_file::remove_leftovers;
-use super::{DiskError, seal};
+use super::{DiskError, footer};
 use crate::{InputError, Recording};
 
 /// The tables whose columns a recording has.
@@ -24,27 +24,6 @@ const FORMAT_KEY: &str = "underbrush.format";
 const FORMAT: &str = "underbrush-recording/4";
 /// Metadata key of a [`Recording`] without its frames, as JSON.
 const RECORDING_KEY: &str = "underbrush.recording";
-
-/// A recording without its frames.
-pub(super) fn without_frames(recording: &Recording) -> Recording {
-    Recording {
-        scene: recording.scene.clone(),
-        controller: recording.controller.clone(),
-        seed: recording.seed,
-        reach_index: recording.reach_index,
-        rate_hz: recording.rate_hz,
-        joint_names: recording.joint_names.clone(),
-        layout: recording.layout.clone(),
-        objects: recording.objects.clone(),
-        // Their tracks are not serialized.
-        bodies: recording.bodies.clone(),
-        goals: recording.goals.clone(),
-        contacts: recording.contacts.clone(),
-        map: recording.map.clone(),
-        frames: Vec::new(),
-        audit: recording.audit,
-    }
-}
 
 /// The columns of a recording.
 fn features_of(recording: &Recording) -> Vec<Feature> {
@@ -88,14 +67,9 @@ pub(super) fn batches(frames: usize) -> impl Iterator<Item = Range<usize>> {
 /// # Errors
 /// [`DiskError::Unwritable`] for a recording that breaks a rule of its types (lengths, indices, finite numbers, taxel
 /// order); [`DiskError::Io`] and [`DiskError::Encode`] if the file cannot be written.
-pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<(), DiskError> {
-    write_to(path.as_ref(), recording)
-}
-
-// Not generic, so that it is compiled once and not in each crate that calls it.
-fn write_to(path: &Path, recording: &Recording) -> Result<(), DiskError> {
+pub fn write_recording(path: &Path, recording: &Recording) -> Result<(), DiskError> {
     check_recording(recording).map_err(|violation| violation.unwritable(path))?;
-    let header = serde_json::to_string(&without_frames(recording)).map_err(DiskError::io(path, "write"))?;
+    let header = serde_json::to_string(recording).map_err(DiskError::io(path, "write"))?;
     let (features, rows) = (features_of(recording), rows_of(recording));
     let none = columns_of(&features, &rows, 0..0);
     remove_leftovers(path);
@@ -106,7 +80,7 @@ fn write_to(path: &Path, recording: &Recording) -> Result<(), DiskError> {
             (FORMAT_KEY, FORMAT.to_string()),
             (RECORDING_KEY, header),
             about_entry(&TABLES, &none, &recording.further_categories()),
-            seal::unsealed(),
+            footer::unsealed(),
         ],
     )?;
     file.write_group(&mut batches(recording.frames.len()).map(|frames| columns_of(&features, &rows, frames)))?;
@@ -117,8 +91,7 @@ fn write_to(path: &Path, recording: &Recording) -> Result<(), DiskError> {
 ///
 /// # Errors
 /// [`DiskError::Io`] if the disk fails.
-pub fn is_recording(path: impl AsRef<Path>) -> Result<bool, DiskError> {
-    let path = path.as_ref();
+pub fn is_recording(path: &Path) -> Result<bool, DiskError> {
     if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("parquet")) {
         return Ok(false);
     }
@@ -134,19 +107,14 @@ pub fn is_recording(path: impl AsRef<Path>) -> Result<bool, DiskError> {
 /// # Errors
 /// [`DiskError::Input`] for a file that is truncated, changed in any bit, missing, of another format or version, or
 /// whose content breaks a rule of [`Recording`]; [`DiskError::Io`] if it cannot be read.
-pub fn read_recording(path: impl AsRef<Path>) -> Result<Recording, DiskError> {
-    read_from(path.as_ref())
-}
-
-// Not generic, so that it is compiled once and not in each crate that calls it.
-fn read_from(path: &Path) -> Result<Recording, DiskError> {
+pub fn read_recording(path: &Path) -> Result<Recording, DiskError> {
     let table = ParquetTable::open(path)?;
     let format = table.key_value(FORMAT_KEY)?;
     if format != FORMAT {
         let remedy = "read it with the version of underbrush that wrote it";
         return Err(InputError::new(path, FORMAT_KEY, format, FORMAT, remedy).into());
     }
-    seal::check(path)?;
+    footer::check_seal(path)?;
     // From bytes, as everywhere: a reader of text would be compiled once more for all types.
     let header = serde_json::from_slice(table.key_value(RECORDING_KEY)?.as_bytes());
     let mut recording: Recording = header.map_err(|error| {

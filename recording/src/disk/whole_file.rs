@@ -9,7 +9,7 @@ use serde::Serialize;
 use tempfile::NamedTempFile;
 
 use super::DiskError;
-use super::input_file::is_there;
+use super::named_path::is_there;
 use super::unfinished::Registered;
 
 /// Prefix of the names of unfinished files, by which leftovers of a crash are recognized.
@@ -34,25 +34,10 @@ fn prefix_of(path: &Path) -> String {
 /// A file with a temporary name. It is removed when dropped before [`commit`], and when a signal ends the process (see
 /// [`super::unfinished`]). It stays locked while its process lives.
 pub(super) struct TemporaryFile {
-    file: NamedTempFile,
-    _registered: Registered,
-}
-
-impl TemporaryFile {
-    /// The file itself, to change what has been written.
-    pub(super) fn as_file_mut(&mut self) -> &mut File {
-        self.file.as_file_mut()
-    }
-}
-
-impl Write for TemporaryFile {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
-    }
+    /// The file itself.
+    pub(super) file: NamedTempFile,
+    /// Its entry in the list of unfinished files. It has to be kept as long as the file, and dropped after it.
+    pub(super) registered: Registered,
 }
 
 /// Creates a temporary file beside `path`. A folder or a device such as `/dev/null` at `path` is not replaced.
@@ -75,7 +60,7 @@ pub(super) fn begin(path: &Path) -> Result<TemporaryFile, DiskError> {
         let locked = file.as_file().lock().is_ok();
         // Before it was locked, another process may have taken it for a leftover and removed it.
         if !locked || file.path().exists() {
-            return Ok(TemporaryFile { file, _registered: registered });
+            return Ok(TemporaryFile { file, registered });
         }
     }
 }
@@ -130,8 +115,9 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), DiskError> {
     let path = linked.as_deref().unwrap_or(path);
     remove_leftovers(path);
     let mut temporary = begin(path)?;
-    let kept = fs::metadata(path).map_or(Ok(()), |there| temporary.as_file_mut().set_permissions(there.permissions()));
-    kept.and_then(|()| temporary.write_all(bytes)).map_err(DiskError::io(path, "write"))?;
+    let file = &mut temporary.file;
+    let kept = fs::metadata(path).map_or(Ok(()), |there| file.as_file().set_permissions(there.permissions()));
+    kept.and_then(|()| file.write_all(bytes)).map_err(DiskError::io(path, "write"))?;
     commit(temporary, path)
 }
 
@@ -155,17 +141,15 @@ pub(super) fn sync_folder(folder: &Path) -> Result<(), DiskError> {
 /// Writes a small file at once.
 pub(super) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), DiskError> {
     let mut temporary = begin(path)?;
-    temporary.write_all(bytes).map_err(DiskError::io(path, "write"))?;
+    temporary.file.write_all(bytes).map_err(DiskError::io(path, "write"))?;
     commit(temporary, path)
 }
 
 /// Writes a small file at once, unless there is one already. Of several processes that do this, the first wins.
 pub(super) fn write_new_bytes(path: &Path, bytes: &[u8]) -> Result<(), DiskError> {
     let mut temporary = begin(path)?;
-    temporary
-        .write_all(bytes)
-        .and_then(|()| temporary.file.as_file().sync_all())
-        .map_err(DiskError::io(path, "write"))?;
+    let file = &mut temporary.file;
+    file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(DiskError::io(path, "write"))?;
     match temporary.file.persist_noclobber(path) {
         Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => Ok(()),
         Err(error) => Err(DiskError::io(path, "write")(error.error)),

@@ -1,12 +1,17 @@
-//! Rules for a single frame: one number per joint, one pose per patch, taxels that exist and are sorted.
+//! Rules for a single frame: one number per joint, one pose per patch, taxels that exist and are sorted, and contacts
+//! on a patch that add up to its force.
 
-use super::physics::check_contact_forces;
-use super::violation::{Violation, finite, require, require_unit};
+use glam::DVec3;
+
+use super::{Violation, finite, require, require_unit};
 use crate::{BodyOwner, Frame, Pose, Recording};
 
 /// Tolerance for the length of a quaternion. Choice: ten times the rounding error of single precision, which many
 /// drivers use.
 const QUATERNION_TOLERANCE: f64 = 1e-6;
+
+/// Relative tolerance for a sum of forces: rounding of some ten of them to single precision.
+const SUM_TOLERANCE: f64 = 1e-6;
 
 /// Checks the lengths, indices and numbers of a frame.
 pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) -> Result<(), Violation> {
@@ -78,4 +83,22 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
         finite(point.numbers().map(f64::from), field)?;
     }
     check_contact_forces(frame, field)
+}
+
+/// The contacts of a patch add up to the patch's force. A recording may come without contacts, as one of a robot does.
+fn check_contact_forces(frame: &Frame, field: impl Fn(&str) -> String) -> Result<(), Violation> {
+    if frame.contact_points.is_empty() {
+        return Ok(());
+    }
+    for (patch, force) in frame.contact_force_world.iter().enumerate() {
+        let on_patch = || frame.contact_points.iter().filter(|point| point.patch.map(usize::from) == Some(patch));
+        let sum: DVec3 = on_patch().map(|point| point.force_world.as_dvec3()).sum();
+        let largest_n = on_patch().map(|point| point.force_world.as_dvec3().length()).fold(0.0, f64::max);
+        let apart_n = (sum - *force).length();
+        let found = || format!("{apart_n} N away from the sum of the patch's contact points");
+        let field = || field(&format!("contact_force_world[{patch}]"));
+        let allowed = "the sum of the contact points on the patch";
+        require(apart_n <= SUM_TOLERANCE * largest_n, field, found, allowed)?;
+    }
+    Ok(())
 }

@@ -2,19 +2,102 @@
 //!
 //! A recording that passes can be stored in dense columns without loss, and all its indices are valid.
 
-mod bodies;
 mod frames;
-mod layout;
-mod physics;
-mod violation;
 
-use self::bodies::check_bodies;
+use std::path::Path;
+
 use self::frames::check_frame;
-pub(super) use self::layout::{check_layout, check_robot};
-use self::physics::check_times;
-use self::violation::finite;
-pub(super) use self::violation::{Violation, require};
-use crate::{Audit, Category, Outcome, Recording};
+use crate::body::ORIENTATION_STEP;
+use crate::{Audit, BodyOwner, Category, DiskError, InputError, Outcome, Recording, SkinLayout};
+
+/// Tolerance for the length of a quaternion: the rounding of the bodies' tracks.
+const QUATERNION_TOLERANCE: f64 = 2.0 * ORIENTATION_STEP;
+
+/// Relative tolerance for the frame rate. Choice: ten times the error of a computer's clock, and far less than the
+/// error of a wrong rate.
+const RATE_TOLERANCE: f64 = 1e-3;
+
+/// A rule broken by a recording or a trial.
+#[derive(Debug, PartialEq)]
+pub(super) struct Violation {
+    /// The field that breaks the rule.
+    pub(super) field: String,
+    /// What was found.
+    pub(super) found: String,
+    /// The rule.
+    pub(super) allowed: &'static str,
+}
+
+impl Violation {
+    /// The error when writing to a file.
+    pub(super) fn unwritable(self, path: &Path) -> DiskError {
+        let Violation { field, found, allowed } = self;
+        DiskError::Unwritable { path: path.to_path_buf(), field, found, allowed: allowed.to_string() }
+    }
+
+    /// The error when reading from a file.
+    pub(super) fn misread(self, path: &Path) -> DiskError {
+        let remedy = "write the file again with the program that made it";
+        InputError::new(path, self.field, self.found, self.allowed, remedy).into()
+    }
+}
+
+/// An error with field, found and allowed, unless the rule holds.
+pub(super) fn require(
+    holds: bool,
+    field: impl FnOnce() -> String,
+    found: impl FnOnce() -> String,
+    allowed: &'static str,
+) -> Result<(), Violation> {
+    if holds { Ok(()) } else { Err(Violation { field: field(), found: found(), allowed }) }
+}
+
+/// Checks that a quaternion of this length has unit length, up to a tolerance.
+fn require_unit(length: f64, tolerance: f64, field: impl FnOnce() -> String) -> Result<(), Violation> {
+    let found = || format!("a quaternion of length {length}");
+    require((length - 1.0).abs() <= tolerance, field, found, "a quaternion of length 1")
+}
+
+/// `Err` with the first number that is not finite.
+fn finite(values: impl IntoIterator<Item = f64>, field: impl FnOnce() -> String) -> Result<(), Violation> {
+    match values.into_iter().find(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(value) => Err(Violation { field: field(), found: value.to_string(), allowed: "finite numbers" }),
+    }
+}
+
+/// Checks a skin layout: unique patch names that can be part of column names, taxels in every patch, and grids that
+/// fit.
+pub(super) fn check_layout(layout: &SkinLayout) -> Result<(), Violation> {
+    for (index, patch) in layout.patches.iter().enumerate() {
+        let field = |name: &str| format!("layout.patches[{index}].{name}");
+        // LeRobot reads a "/" in a feature name as part of a path.
+        let named = !patch.name.is_empty() && !patch.name.contains('/');
+        require(named, || field("name"), || format!("{:?}", patch.name), "a name without \"/\"")?;
+        let unique = layout.patch_index(&patch.name) == Some(index);
+        require(unique, || field("name"), || format!("{:?} twice", patch.name), "unique names")?;
+        let count = patch.taxels.len();
+        require((1..=65536).contains(&count), || field("taxels"), || format!("{count} taxels"), "1 to 65536 taxels")?;
+        if let Some(grid) = patch.grid {
+            let fits = grid.rows.checked_mul(grid.columns) == Some(count);
+            let found = || format!("{} × {} for {count} taxels", grid.rows, grid.columns);
+            require(fits, || field("grid"), found, "rows × columns = taxels")?;
+        }
+        let numbers = patch.taxels.iter().flat_map(|taxel| {
+            let vectors = [taxel.position_link, taxel.normal_link, taxel.tangent_link];
+            vectors.into_iter().flat_map(|vector| vector.to_array()).chain([taxel.area_m2])
+        });
+        finite(numbers, || field("taxels"))?;
+    }
+    Ok(())
+}
+
+/// Checks what recordings and data sets say about the robot: skin, frame rate and joints.
+pub(super) fn check_robot(layout: &SkinLayout, rate_hz: f64, joint_names: &[String]) -> Result<(), Violation> {
+    check_layout(layout)?;
+    require(rate_hz.is_finite() && rate_hz > 0.0, || "rate_hz".into(), || rate_hz.to_string(), "a number above 0")?;
+    require(!joint_names.is_empty(), || "joint_names".into(), || "none".into(), "at least one joint")
+}
 
 /// Checks that further categories can be told apart by name and by code.
 pub(super) fn check_categories(further: &[Category]) -> Result<(), Violation> {
@@ -97,6 +180,61 @@ fn check_place(
     }
     let known = object.is_none_or(|object| usize::from(object) < recording.objects.len());
     require(known, || field(".object"), || object.unwrap_or_default().to_string(), "the index of an object")
+}
+
+/// `timestamp` is computed from index and rate, so the frames' times may jitter but must stay on that grid. A frame
+/// that a driver has dropped must be filled in.
+fn check_times(recording: &Recording) -> Result<(), Violation> {
+    let start_s = recording.frames.first().map_or(0.0, |frame| frame.time_s);
+    let mut before_s = f64::NEG_INFINITY;
+    for (index, frame) in recording.frames.iter().enumerate() {
+        let field = || format!("frames[{index}].time_s");
+        let found = || format!("{} s", frame.time_s);
+        let later = frame.time_s > before_s;
+        require(later, field, found, "a later time than that of the previous frame")?;
+        let frames_since_start = (frame.time_s - start_s) * recording.rate_hz;
+        let on_grid = (frames_since_start - index as f64).abs() < 0.5 + RATE_TOLERANCE * index as f64;
+        let allowed = "within half a frame of the first frame's time + index / rate";
+        require(on_grid, field, found, allowed)?;
+        before_s = frame.time_s;
+    }
+    for (index, goal) in recording.goals.iter().enumerate() {
+        let field = || format!("goals[{index}].end_time_s");
+        let found = || format!("{} s", goal.end_time_s);
+        require(goal.start_time_s <= goal.end_time_s, field, found, "the start time or later")?;
+    }
+    Ok(())
+}
+
+/// Checks that objects are known, quaternions have unit length, and the frames of tracks increase.
+fn check_bodies(recording: &Recording) -> Result<(), Violation> {
+    for (index, body) in recording.bodies.iter().enumerate() {
+        let field = |name: &str| format!("bodies[{index}].{name}");
+        if let BodyOwner::Object(object) = body.owner {
+            let known = usize::from(object) < recording.objects.len();
+            require(known, || field("owner"), || format!("object {object}"), "the index of an object")?;
+        }
+        let poses = body.parts.iter().map(|part| part.pose_body).chain([body.rest_pose_world]);
+        for pose in poses {
+            finite(pose.numbers(), || field("parts and rest_pose_world"))?;
+            require_unit(pose.orientation.length(), QUATERNION_TOLERANCE, || field("parts and rest_pose_world"))?;
+        }
+        for part in &body.parts {
+            finite(part.shape.numbers(), || field("parts"))?;
+        }
+        let mut next = 0;
+        for point in &body.track {
+            let known = point.frame >= next && (point.frame as usize) < recording.frames.len();
+            let found = || point.frame.to_string();
+            require(known, || field("track"), found, "the index of a later frame than that of the previous point")?;
+            next = point.frame + 1;
+            let numbers = point.position_world_m.into_iter().chain(point.orientation_world);
+            finite(numbers.map(f64::from), || field("track"))?;
+            let squares = point.orientation_world.map(|number| f64::from(number).powi(2));
+            require_unit(squares.iter().sum::<f64>().sqrt(), QUATERNION_TOLERANCE, || field("track"))?;
+        }
+    }
+    Ok(())
 }
 
 /// Checks a whole recording.

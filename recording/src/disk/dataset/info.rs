@@ -1,6 +1,7 @@
-//! `meta/info.json` (LeRobotDataset v3.0) and `meta/provenance.json`.
+//! What a data set says about itself: `meta/info.json` (LeRobotDataset v3.0), `meta/provenance.json` and its card.
 
 use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::io;
 use std::path::Path;
 
@@ -8,6 +9,9 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::{DatasetPlan, Provenance};
+use crate::disk::tables::all_tables;
+use crate::disk::tables::description::describe_tables;
+use crate::disk::tables::dictionary::FRAMES;
 use crate::disk::tables::frames::Feature;
 use crate::{Category, DiskError, InputError, JSON_BYTES, read_bytes};
 
@@ -56,6 +60,11 @@ impl Info {
     /// The information about a set with this plan.
     pub(crate) fn new(plan: &DatasetPlan, total_frames: usize, total_tasks: usize, features: &[Feature]) -> Self {
         let total_episodes = plan.episodes.len();
+        let column = |feature: &Feature| FeatureInfo {
+            dtype: feature.column.described.value.name().to_owned(),
+            shape: feature.width.into_iter().collect(),
+            names: feature.names.clone(),
+        };
         Info {
             codebase_version: CODEBASE_VERSION.to_string(),
             robot_type: plan.robot.clone(),
@@ -69,7 +78,7 @@ impl Info {
             splits: [("train".to_string(), format!("0:{total_episodes}"))].into(),
             data_path: "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet".to_string(),
             video_path: None,
-            features: features.iter().map(|feature| (feature.name.clone(), FeatureInfo::of(feature))).collect(),
+            features: features.iter().map(|feature| (feature.name.clone(), column(feature))).collect(),
         }
     }
 }
@@ -83,17 +92,6 @@ pub(crate) struct FeatureInfo {
     pub(crate) shape: Vec<usize>,
     /// Names of the numbers, unless they are taxels.
     pub(crate) names: Option<Vec<String>>,
-}
-
-impl FeatureInfo {
-    /// The entry of a column.
-    fn of(feature: &Feature) -> Self {
-        FeatureInfo {
-            dtype: feature.number().name().to_owned(),
-            shape: feature.width.into_iter().collect(),
-            names: feature.names.clone(),
-        }
-    }
 }
 
 /// LeRobot requires an integer if the rate is a whole number.
@@ -112,6 +110,40 @@ pub(crate) struct ProvenanceFile {
     pub(crate) categories: Vec<Category>,
     /// The origin of the data.
     pub(crate) provenance: Provenance,
+}
+
+/// The card of a set with objects of further `categories`: `README.md` at its root.
+///
+/// Its front matter tells Hugging Face's `datasets` which files belong together. Without it, `load_dataset` reads all
+/// Parquet files of the folder as one table and fails.
+pub(crate) fn card(info: &Info, categories: &[Category]) -> String {
+    let mut text = "---\ntags:\n- LeRobot\n- tactile\nconfigs:\n".to_string();
+    for table in all_tables() {
+        let files = match table.path.strip_suffix(".parquet") {
+            Some(_) => table.path.to_string(),
+            None => format!("{}/*/*.parquet", table.path),
+        };
+        let default = if table.name == FRAMES.name { "  default: true\n" } else { "" };
+        let _ = write!(text, "- config_name: {}\n  data_files: {files}\n{default}", table.name);
+    }
+    let _ = write!(
+        text,
+        "---\n\n# Reaches of {} with tactile skin\n\n\
+         {} reaches, {} frames at {} Hz, written by underbrush in the LeRobotDataset {} layout.\n\n\
+         `data/` holds what a robot could know. Ground truth is in `truth/` and is not among the features of \
+         `meta/info.json`, so that no learner reads it by accident. Rows of `truth/taxels` belong to the frames with \
+         the same `episode_index` and `frame_index`:\n\n\
+         ```python\n\
+         import pandas as pd\n\
+         frames = pd.read_parquet(\"data\")\n\
+         truth = pd.read_parquet(\"truth/taxels\")\n\
+         joined = truth.merge(frames, on=[\"episode_index\", \"frame_index\"])\n\
+         ```\n\n\
+         With `datasets`, `load_dataset(FOLDER)` loads the frames and `load_dataset(FOLDER, \"truth_taxels\")` another \
+         table.\n\n",
+        info.robot_type, info.total_episodes, info.total_frames, info.fps, info.codebase_version
+    );
+    text + &describe_tables(all_tables(), categories)
 }
 
 /// Reads a JSON file.

@@ -15,17 +15,18 @@
 //! ```
 
 mod checksums;
+mod columns;
 mod info;
 mod names;
 mod plan;
-mod read;
+mod reader;
 mod staging;
 
 pub use checksums::file_blake3;
 pub use plan::{ArmText, DatasetPlan, FileText, PlannedEpisode, Provenance, SceneText, Shard};
-pub use read::reader::Dataset;
+pub use reader::Dataset;
 pub use staging::folder::remove_dataset;
-pub use staging::merge::Shards;
+pub use staging::parts::Shards;
 #[cfg(test)]
 pub(super) use staging::table_files::ROWS_PER_GROUP;
 pub use staging::writer::DatasetWriter;

@@ -6,7 +6,6 @@
 mod arrow_schema;
 pub(super) mod batch;
 pub(super) mod column;
-mod column_order;
 pub(super) mod parquet_input;
 pub(super) mod plain_pages;
 pub(super) mod read;
@@ -18,6 +17,6 @@ pub(super) use batch::Batch;
 pub(super) use column::{Column, Rows, Text, Type, Value, Values};
 pub(super) use parquet_input::broken;
 pub(super) use read::{COLUMNS_KEY, ParquetTable, Want, unknown};
-pub(super) use row::{Described, Field, Row, Width, part_names, row};
+pub(super) use row::{Described, Field, Row, Width, row};
 pub(super) use row_groups::{EpisodeRows, Footers};
 pub(super) use write::{EPISODE_COLUMN, Encoder, Group, ParquetFile, ROWS_PER_BATCH, write_table};

@@ -6,35 +6,32 @@
 
 use std::sync::Arc;
 
-use parquet::basic::{Encoding, Type};
+use parquet::basic::Encoding;
 use parquet::column::page::Page;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{ColumnChunkMetaData, RowGroupMetaData};
 use parquet::file::serialized_reader::SerializedPageReader;
 
+use super::Value;
 use super::parquet_input::ParquetInput;
 use crate::DiskError;
 
 /// The chunk of a column in a row group, if it has numbers of this type.
 fn chunk_of<'a, F: Float>(group: &'a RowGroupMetaData, column: &str) -> Option<&'a ColumnChunkMetaData> {
     let is_it = |chunk: &&ColumnChunkMetaData| chunk.column_path().parts().first().is_some_and(|name| name == column);
-    group.columns().iter().find(is_it).filter(|chunk| chunk.column_type() == F::TYPE)
+    group.columns().iter().find(is_it).filter(|chunk| chunk.column_type() == F::TYPE.parquet().0)
 }
 
 /// A floating-point number of a file.
-pub(crate) trait Float: Into<f64> + Copy + Default {
-    /// Its type in Parquet.
-    const TYPE: Type;
+pub(crate) trait Float: Value + Into<f64> + Copy {
     /// The numbers in the bytes of a page; `None` if some bytes are left.
-    fn all(bytes: &[u8]) -> Option<impl ExactSizeIterator<Item = Self>>;
+    fn in_bytes(bytes: &[u8]) -> Option<impl ExactSizeIterator<Item = Self>>;
 }
 
 macro_rules! float {
-    ($number:ty, $kind:ident, $bytes:literal) => {
+    ($number:ty, $bytes:literal) => {
         impl Float for $number {
-            const TYPE: Type = Type::$kind;
-
-            fn all(bytes: &[u8]) -> Option<impl ExactSizeIterator<Item = Self>> {
+            fn in_bytes(bytes: &[u8]) -> Option<impl ExactSizeIterator<Item = Self>> {
                 let (numbers, rest) = bytes.as_chunks::<$bytes>();
                 let numbers = numbers.iter().map(|number| <$number>::from_le_bytes(*number));
                 rest.is_empty().then_some(numbers)
@@ -42,8 +39,8 @@ macro_rules! float {
         }
     };
 }
-float!(f32, FLOAT, 4);
-float!(f64, DOUBLE, 8);
+float!(f32, 4);
+float!(f64, 8);
 
 /// The largest number of values of a column of this type, according to its size in the footer; zero for other types.
 pub(crate) fn most_numbers<F: Float>(group: &RowGroupMetaData, column: &str) -> usize {
@@ -107,5 +104,5 @@ fn numbers_of<F: Float>(page: &Page, chunk: &ColumnChunkMetaData) -> Option<impl
     }
     // The page's count includes missing numbers, which have no bytes.
     let count = usize::try_from(*num_values).ok()?;
-    F::all(bytes).filter(|numbers| numbers.len() == count)
+    F::in_bytes(bytes).filter(|numbers| numbers.len() == count)
 }

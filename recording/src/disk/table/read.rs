@@ -1,5 +1,6 @@
 //! Reads Parquet files.
 
+use std::iter;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -88,8 +89,27 @@ impl ParquetTable {
     }
 
     /// All rows in batches, up to the first error, with the columns that `want` names.
-    pub(crate) fn batches<'a>(&'a self, want: &'a dyn Fn(&str) -> Want) -> Batches<'a> {
-        Batches { table: self, want, group: 0, left: 0, columns: Vec::new() }
+    pub(crate) fn batches(&self, want: &dyn Fn(&str) -> Want) -> impl Iterator<Item = Result<Batch, DiskError>> {
+        let mut groups = 0..self.footer.num_row_groups();
+        // Of the current row group: the columns, the rows that are left, and how many are decoded at once.
+        let (mut columns, mut left, mut at_once) = (Vec::new(), 0, 0);
+        let mut read = move || -> Result<Option<Batch>, DiskError> {
+            while left == 0 {
+                let Some(group) = groups.next() else { return Ok(None) };
+                columns = self.open_columns(group, want)?;
+                (left, at_once) = (self.rows_of(group), self.rows_at_once(group));
+            }
+            let rows = left.min(at_once);
+            let columns = columns.iter_mut().map(|column| column.next(rows)).collect::<Result<_, _>>()?;
+            left -= rows;
+            Ok(Some(self.batch_of(rows, columns)))
+        };
+        let mut failed = false;
+        iter::from_fn(move || {
+            let batch = if failed { None } else { read().transpose() };
+            failed = matches!(batch, Some(Err(_)));
+            batch
+        })
     }
 
     /// The columns of a row group that `want` names, from the first row on.
@@ -113,8 +133,12 @@ impl ParquetTable {
         let mut columns = Vec::new();
         for mut values in self.open_columns(group, want)? {
             let plain = match (values.want, values.kind) {
-                (Want::Fixed(width), Some(Type::Float64)) if whole => self.plain::<f64>(group, &values.name, width)?,
-                (Want::Fixed(width), Some(Type::Float32)) if whole => self.plain::<f32>(group, &values.name, width)?,
+                (Want::Fixed(width), Some(Type::Float64)) if whole => {
+                    self.plain::<f64>(group, &values.source.name, width)?
+                }
+                (Want::Fixed(width), Some(Type::Float32)) if whole => {
+                    self.plain::<f32>(group, &values.source.name, width)?
+                }
                 _ => None,
             };
             columns.push(match plain {
@@ -148,7 +172,7 @@ impl ParquetTable {
     }
 
     /// A column of numbers of this type, if they are stored plainly.
-    fn plain<F: Float + Value>(&self, group: usize, name: &str, width: usize) -> Result<Option<Column>, DiskError> {
+    fn plain<F: Float>(&self, group: usize, name: &str, width: usize) -> Result<Option<Column>, DiskError> {
         let (count, group) = (width * self.rows_of(group), self.footer.row_group(group));
         // A footer may promise more rows than the file can have.
         if count > plain_pages::most_numbers::<F>(group, name) {
@@ -157,60 +181,6 @@ impl ParquetTable {
         let mut numbers = vec![F::default(); count];
         let done = plain_pages::read(&self.file, group, name, |number| number, &mut numbers)?;
         Ok(done.then(|| Column::fixed(name, width, numbers)))
-    }
-}
-
-/// The rows of a file, batch by batch.
-pub(crate) struct Batches<'a> {
-    table: &'a ParquetTable,
-    want: &'a dyn Fn(&str) -> Want,
-    /// The next row group.
-    group: usize,
-    /// Rows that are left in the current one.
-    left: usize,
-    columns: Vec<ColumnValues>,
-}
-
-impl Batches<'_> {
-    fn read(&mut self) -> Result<Option<Batch>, DiskError> {
-        while self.left == 0 {
-            if self.group == self.table.footer.num_row_groups() {
-                return Ok(None);
-            }
-            self.columns = self.table.open_columns(self.group, self.want)?;
-            self.left = self.table.rows_of(self.group);
-            self.group += 1;
-        }
-        let rows = self.left.min(self.table.rows_at_once(self.group - 1));
-        let columns = self.columns.iter_mut().map(|column| column.next(rows)).collect::<Result<_, _>>()?;
-        self.left -= rows;
-        Ok(Some(self.table.batch_of(rows, columns)))
-    }
-}
-
-impl Iterator for Batches<'_> {
-    type Item = Result<Batch, DiskError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let batch = self.read().transpose();
-        if matches!(batch, Some(Err(_))) {
-            (self.group, self.left) = (self.table.footer.num_row_groups(), 0);
-        }
-        batch
-    }
-}
-
-/// Lists that all have this length become rows of this width.
-fn fixed_if_possible(rows: Rows, width: usize) -> Rows {
-    match rows {
-        Rows::Lists { ends, present }
-            if width > 1
-                && present.iter().all(|present| *present)
-                && ends.iter().enumerate().all(|(row, end)| *end == (row + 1) * width) =>
-        {
-            Rows::Fixed(width)
-        }
-        other => other,
     }
 }
 
@@ -251,12 +221,9 @@ fn type_of(column: &ColumnDescriptor) -> Option<Type> {
 
 /// The values of a column in a row group, from the first row on.
 struct ColumnValues {
-    file: ParquetInput,
-    name: String,
+    source: Source,
     want: Want,
     kind: Option<Type>,
-    /// Its largest definition level: 1 in a plain column, 3 in a column of lists.
-    level: i16,
     reader: ColumnReader,
 }
 
@@ -281,110 +248,109 @@ impl ColumnValues {
             let pages = SerializedPageReader::new(Arc::new(file.clone()), chunk, rows, None)?;
             Ok(get_column_reader(Arc::clone(&column), Box::new(pages)))
         })?;
-        Ok(ColumnValues { kind: type_of(&column), level: column.max_def_level(), reader, name, want, file })
+        let source = Source { file, name, level: column.max_def_level() };
+        Ok(ColumnValues { source, want, kind: type_of(&column), reader })
     }
 
     /// The next rows.
     fn next(&mut self, rows: usize) -> Result<Column, DiskError> {
         use ColumnReader as From;
-        let ColumnValues { file, name, kind, level, reader, want } = self;
+        let ColumnValues { source, want, kind, reader } = self;
         // Names repeat from row to row, so rows share a text with the row before if it is the same.
         let mut shared = Text::default();
-        macro_rules! read {
-            ($reader:ident, $convert:expr) => {{
-                let levels = file.decode(|| Levels::read($reader, rows))?;
-                if levels.rows != rows {
-                    let found = format!("{} of {rows} rows in the column {name}", levels.rows);
-                    return Err(broken(&file.path, found));
-                }
-                levels.spread(*level, $convert).map_err(|found| unknown(&file.path, name, found))
-            }};
-        }
         let (values, rows) = match (reader, *kind) {
-            (From::Int32ColumnReader(reader), Some(Type::Int8)) => read!(reader, |value| i8::try_from(value).ok())?,
-            (From::Int32ColumnReader(reader), Some(Type::Int16)) => read!(reader, |value| i16::try_from(value).ok())?,
-            (From::Int32ColumnReader(reader), Some(Type::Int32)) => read!(reader, Some)?,
-            (From::Int32ColumnReader(reader), Some(Type::Uint32)) => read!(reader, |value| Some(value as u32))?,
-            (From::Int64ColumnReader(reader), Some(Type::Int64)) => read!(reader, Some)?,
-            (From::Int64ColumnReader(reader), Some(Type::Uint64)) => read!(reader, |value| Some(value as u64))?,
-            (From::FloatColumnReader(reader), Some(_)) => read!(reader, Some)?,
-            (From::DoubleColumnReader(reader), Some(_)) => read!(reader, Some)?,
-            (From::BoolColumnReader(reader), Some(_)) => read!(reader, Some)?,
-            (From::ByteArrayColumnReader(reader), Some(_)) => read!(reader, |bytes| {
+            (From::Int32ColumnReader(from), Some(Type::Int8)) => {
+                source.read(from, rows, |value| i8::try_from(value).ok())
+            }
+            (From::Int32ColumnReader(from), Some(Type::Int16)) => {
+                source.read(from, rows, |value| i16::try_from(value).ok())
+            }
+            (From::Int32ColumnReader(from), Some(Type::Int32)) => source.read(from, rows, Some),
+            (From::Int32ColumnReader(from), Some(Type::Uint32)) => source.read(from, rows, |value| Some(value as u32)),
+            (From::Int64ColumnReader(from), Some(Type::Int64)) => source.read(from, rows, Some),
+            (From::Int64ColumnReader(from), Some(Type::Uint64)) => source.read(from, rows, |value| Some(value as u64)),
+            (From::FloatColumnReader(from), Some(_)) => source.read(from, rows, Some),
+            (From::DoubleColumnReader(from), Some(_)) => source.read(from, rows, Some),
+            (From::BoolColumnReader(from), Some(_)) => source.read(from, rows, Some),
+            (From::ByteArrayColumnReader(from), Some(_)) => source.read(from, rows, |bytes| {
                 let text = std::str::from_utf8(bytes.data()).ok()?;
                 if *shared != *text {
                     shared = text.into();
                 }
                 Some(Text::clone(&shared))
-            })?,
+            }),
             // A column of another type may have no values, as that of pandas without any.
-            (From::BoolColumnReader(reader), _) => read!(reader, |_| None::<f64>)?,
-            (From::Int32ColumnReader(reader), _) => read!(reader, |_| None::<f64>)?,
-            (From::Int64ColumnReader(reader), _) => read!(reader, |_| None::<f64>)?,
-            (From::Int96ColumnReader(reader), _) => read!(reader, |_| None::<f64>)?,
-            (From::FloatColumnReader(reader), _) => read!(reader, |_| None::<f64>)?,
-            (From::DoubleColumnReader(reader), _) => read!(reader, |_| None::<f64>)?,
-            (From::ByteArrayColumnReader(reader), _) => read!(reader, |_| None::<f64>)?,
-            (From::FixedLenByteArrayColumnReader(reader), _) => read!(reader, |_| None::<f64>)?,
+            (From::BoolColumnReader(from), _) => source.read(from, rows, |_| None::<f64>),
+            (From::Int32ColumnReader(from), _) => source.read(from, rows, |_| None::<f64>),
+            (From::Int64ColumnReader(from), _) => source.read(from, rows, |_| None::<f64>),
+            (From::Int96ColumnReader(from), _) => source.read(from, rows, |_| None::<f64>),
+            (From::FloatColumnReader(from), _) => source.read(from, rows, |_| None::<f64>),
+            (From::DoubleColumnReader(from), _) => source.read(from, rows, |_| None::<f64>),
+            (From::ByteArrayColumnReader(from), _) => source.read(from, rows, |_| None::<f64>),
+            (From::FixedLenByteArrayColumnReader(from), _) => source.read(from, rows, |_| None::<f64>),
+        }?;
+        let rows = match (rows, *want) {
+            // Lists that all have this length become rows of this width.
+            (Rows::Lists { ends, present }, Want::Fixed(width @ 2..))
+                if present.iter().all(|present| *present)
+                    && ends.iter().enumerate().all(|(row, end)| *end == (row + 1) * width) =>
+            {
+                Rows::Fixed(width)
+            }
+            (rows, _) => rows,
         };
-        let rows = match want {
-            Want::Fixed(width) => fixed_if_possible(rows, *width),
-            _ => rows,
-        };
-        Ok(Column { name: name.clone(), values, rows })
+        Ok(Column { name: source.name.clone(), values, rows })
     }
 }
 
-/// The error for a column of a type that is not supported.
-pub(crate) fn unknown(path: &Path, name: &str, found: &str) -> DiskError {
-    let remedy = "cast the column before writing the table";
-    let allowed = "a column of integers, floating-point numbers or text";
-    InputError::new(path, name, found, allowed, remedy).into()
+/// The column that values are read from.
+struct Source {
+    file: ParquetInput,
+    name: String,
+    /// Its largest definition level: 1 in a plain column, 3 in a column of lists.
+    level: i16,
 }
 
-/// Values as Parquet stores them: without the missing ones, with the levels that say which are missing and where rows
-/// begin.
-struct Levels<T> {
-    values: Vec<T>,
-    definition: Vec<i16>,
-    repetition: Vec<i16>,
-    rows: usize,
-}
-
-impl<T> Levels<T> {
-    fn read<D: DataType<T = T>>(reader: &mut ColumnReaderImpl<D>, rows: usize) -> Result<Self, ParquetError> {
+impl Source {
+    /// The next rows, each with its values. Parquet stores values without the missing ones, with the levels that say
+    /// which are missing and where rows begin. It is an error if `convert` does not accept a value.
+    fn read<D: DataType, V: Value>(
+        &self,
+        from: &mut ColumnReaderImpl<D>,
+        rows: usize,
+        convert: impl FnMut(D::T) -> Option<V>,
+    ) -> Result<(Values, Rows), DiskError> {
         let (mut values, mut definition, mut repetition) = (Vec::new(), Vec::new(), Vec::new());
-        let (rows, ..) = reader.read_records(rows, Some(&mut definition), Some(&mut repetition), &mut values)?;
-        Ok(Levels { values, definition, repetition, rows })
-    }
-
-    /// The values row by row. `level` is the definition level of a present value. The error names what `convert` does
-    /// not accept.
-    fn spread<V: Value>(self, level: i16, convert: impl FnMut(T) -> Option<V>) -> Result<(Values, Rows), &'static str> {
-        let values: Option<Vec<V>> = self.values.into_iter().map(convert).collect();
-        let values = values.ok_or("values of another type")?;
+        let step = || from.read_records(rows, Some(&mut definition), Some(&mut repetition), &mut values);
+        let (found, ..) = self.file.decode(step)?;
+        if found != rows {
+            return Err(broken(&self.file.path, format!("{found} of {rows} rows in the column {}", self.name)));
+        }
+        let refused = |found| unknown(&self.file.path, &self.name, found);
+        let values: Option<Vec<V>> = values.into_iter().map(convert).collect();
+        let values = values.ok_or_else(|| refused("values of another type"))?;
         // Columns without missing values may have no levels.
-        if level == 0 || (level == 1 && values.len() == self.definition.len()) {
+        if self.level == 0 || (self.level == 1 && values.len() == definition.len()) {
             return Ok((V::all(values), Rows::Fixed(1)));
         }
-        if level == 1 {
+        if self.level == 1 {
             let mut there = values.into_iter();
             let value = |found: &i16| if *found == 1 { there.next() } else { None };
-            let spread: Vec<Option<V>> = self.definition.iter().map(value).collect();
+            let spread: Vec<Option<V>> = definition.iter().map(value).collect();
             let present = spread.iter().map(Option::is_some).collect();
             let values = spread.into_iter().map(Option::unwrap_or_default).collect();
             return Ok((V::all(values), Rows::Optional(present)));
         }
-        let (mut ends, mut present) = (Vec::with_capacity(self.rows), Vec::with_capacity(self.rows));
+        let (mut ends, mut present) = (Vec::with_capacity(rows), Vec::with_capacity(rows));
         let mut end = 0;
-        for (definition, repetition) in self.definition.iter().zip(&self.repetition) {
+        for (definition, repetition) in definition.iter().zip(&repetition) {
             if *repetition == 0 {
                 ends.push(end);
                 present.push(*definition > 0);
             }
             match definition {
                 3 => end += 1,
-                2 => return Err("lists with nulls"),
+                2 => return Err(refused("lists with nulls")),
                 _ => {}
             }
             if let Some(last) = ends.last_mut() {
@@ -393,4 +359,11 @@ impl<T> Levels<T> {
         }
         Ok((V::all(values), Rows::Lists { ends, present }))
     }
+}
+
+/// The error for a column of a type that is not supported.
+pub(crate) fn unknown(path: &Path, name: &str, found: &str) -> DiskError {
+    let remedy = "cast the column before writing the table";
+    let allowed = "a column of integers, floating-point numbers or text";
+    InputError::new(path, name, found, allowed, remedy).into()
 }

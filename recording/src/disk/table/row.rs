@@ -51,6 +51,14 @@ impl Described {
             Width::Taxels(each) => format!("{value} × {each}n"),
         }
     }
+
+    /// Whether it describes a column of a file.
+    pub(crate) fn covers(&self, name: &str) -> bool {
+        match self.name.strip_suffix("PATCH") {
+            Some(prefix) => name.starts_with(prefix),
+            None => part_names(self).iter().any(|part| part == name),
+        }
+    }
 }
 
 /// The names of the columns that a description without `PATCH` stands for.
@@ -133,45 +141,33 @@ impl<T: Value> Field for Option<Vec<T>> {
     }
 }
 
-impl Field for Option<DVec3> {
-    const TYPE: Type = Type::Float64;
-    const OPTIONAL: bool = true;
-
-    fn write<'a>(fields: impl Iterator<Item = &'a Self> + Clone, names: Vec<String>) -> Vec<Column> {
-        let axis = |(axis, name): (usize, String)| {
-            let parts: Vec<_> = fields.clone().map(|field| field.map(|vector| vector[axis])).collect();
-            Option::<f64>::write(parts.iter(), vec![name])
-        };
-        names.into_iter().enumerate().flat_map(axis).collect()
-    }
-
-    fn read(columns: &mut Iter<&Column>, row: usize) -> Self {
-        let [x, y, z] = [(); 3].map(|()| one(columns, row));
-        Some(DVec3::new(x?, y?, z?))
-    }
-}
-
 /// Fields with a column for each of their components.
 macro_rules! components {
     ($($field:ty: $count:literal $value:ty, $to:expr, $from:expr;)*) => {
         $(impl Field for $field {
-            const TYPE: Type = <$value as Value>::TYPE;
+            const TYPE: Type = <$value as Field>::TYPE;
+            const OPTIONAL: bool = <$value as Field>::OPTIONAL;
 
             fn write<'a>(fields: impl Iterator<Item = &'a Self> + Clone, names: Vec<String>) -> Vec<Column> {
                 let to: fn(&$field) -> [$value; $count] = $to;
-                let part = |(axis, name)| Column::of(name, fields.clone().map(|field| to(field)[axis]));
-                names.into_iter().enumerate().map(part).collect()
+                let part = |(axis, name): (usize, String)| {
+                    let parts: Vec<$value> = fields.clone().map(|field| to(field)[axis]).collect();
+                    <$value as Field>::write(parts.iter(), vec![name])
+                };
+                names.into_iter().enumerate().flat_map(part).collect()
             }
 
             fn read(columns: &mut Iter<&Column>, row: usize) -> Self {
                 let from: fn([$value; $count]) -> $field = $from;
-                from(std::array::from_fn(|_| one(columns, row).unwrap_or_default()))
+                from(std::array::from_fn(|_| <$value as Field>::read(columns, row)))
             }
         })*
     };
 }
 components! {
     DVec3: 3 f64, DVec3::to_array, DVec3::from_array;
+    Option<DVec3>: 3 Option<f64>, |field| field.map_or([None; 3], |vector| vector.to_array().map(Some)),
+        |[x, y, z]| Some(DVec3::new(x?, y?, z?));
     DQuat: 4 f64, DQuat::to_array, DQuat::from_array;
     [f32; 3]: 3 f32, |field| *field, |parts| parts;
     [f32; 4]: 4 f32, |field| *field, |parts| parts;

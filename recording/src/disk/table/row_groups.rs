@@ -88,43 +88,35 @@ fn holds_one_episode(footer: &ParquetMetaData, group: usize) -> bool {
     matches!(episodes_of(footer, group), [Some(min), Some(max)] if min == max)
 }
 
-/// Reads the rows of an episode, and only from row groups that may hold any, with the columns that `want` names.
-pub(crate) fn read_rows(
-    table: &ParquetTable,
-    episode: usize,
-    want: &dyn Fn(&str) -> Want,
-) -> Result<EpisodeRows, DiskError> {
-    let mut batches = Vec::new();
-    for group in row_groups_of(&table.footer, episode) {
-        let all = 0..table.rows_of(group);
-        let rows = if holds_one_episode(&table.footer, group) {
-            all
-        } else {
-            let only_episodes = |name: &str| {
-                if name == EPISODE_COLUMN { Want::Fixed(1) } else { Want::Nothing }
-            };
-            let batch = table.batch(group, all, &only_episodes)?;
-            let episodes = batch.fixed::<i64>(EPISODE_COLUMN, 1)?;
-            // Rows are sorted by episode.
-            let first = episodes.partition_point(|&found| found < episode as i64);
-            first..episodes.partition_point(|&found| found <= episode as i64)
-        };
-        if !rows.is_empty() {
-            batches.push(table.batch(group, rows, want)?);
-        }
-    }
-    Ok(EpisodeRows { path: table.file.path.clone(), batches })
-}
-
 impl Footers {
-    /// The rows of an episode in a file, with the columns that `want` names.
+    /// The rows of an episode in a file, with the columns that `want` names. Only row groups that may hold any are read.
     pub(crate) fn rows(
         &self,
         path: &Path,
         episode: usize,
         want: &dyn Fn(&str) -> Want,
     ) -> Result<EpisodeRows, DiskError> {
-        read_rows(&self.open(path)?, episode, want)
+        let table = self.open(path)?;
+        let mut batches = Vec::new();
+        for group in row_groups_of(&table.footer, episode) {
+            let all = 0..table.rows_of(group);
+            let rows = if holds_one_episode(&table.footer, group) {
+                all
+            } else {
+                let only_episodes = |name: &str| {
+                    if name == EPISODE_COLUMN { Want::Fixed(1) } else { Want::Nothing }
+                };
+                let batch = table.batch(group, all, &only_episodes)?;
+                let episodes = batch.fixed::<i64>(EPISODE_COLUMN, 1)?;
+                // Rows are sorted by episode.
+                let first = episodes.partition_point(|&found| found < episode as i64);
+                first..episodes.partition_point(|&found| found <= episode as i64)
+            };
+            if !rows.is_empty() {
+                batches.push(table.batch(group, rows, want)?);
+            }
+        }
+        Ok(EpisodeRows { path: path.to_path_buf(), batches })
     }
 
     /// Reads the numbers of a column of an episode into `to`. Returns `false` unless the episode is alone in its row

@@ -13,11 +13,13 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesBuilder, WriterPropertiesPtr};
 use parquet::file::writer::{SerializedFileWriter, SerializedPageWriter, TrackedWrite};
 use parquet::schema::types::{ColumnDescPtr, ColumnPath, SchemaDescriptor, Type as Schema, TypePtr};
+use tempfile::NamedTempFile;
 
+use super::arrow_schema;
 use super::column::{Column, Rows, Text, Type, Values};
-use super::{arrow_schema, column_order};
 use crate::DiskError;
-use crate::disk::seal;
+use crate::disk::footer;
+use crate::disk::unfinished::Registered;
 use crate::disk::whole_file::{self, TemporaryFile};
 
 /// Number of rows that are encoded or decoded together. With 453 taxels their dense columns take about 15 MB.
@@ -63,11 +65,10 @@ const POSE_COLUMNS: [&str; 3] = ["position_world_", "orientation_world_", "moved
 fn encodings(columns: &[Column]) -> WriterPropertiesBuilder {
     let mut builder = WriterProperties::builder();
     for column in columns {
-        let path = match column.has_lists() {
+        let path = ColumnPath::new(match column.has_lists() {
             true => vec![column.name.clone(), "list".into(), "item".into()],
             false => vec![column.name.clone()],
-        };
-        let path = ColumnPath::new(path);
+        });
         builder = match column.values.type_of() {
             Type::Int8 | Type::Int16 | Type::Int32 | Type::Int64 => {
                 builder.set_column_encoding(path, Encoding::DELTA_BINARY_PACKED)
@@ -90,9 +91,7 @@ pub(crate) struct Encoder {
 }
 
 /// A row group that is encoded, and belongs to no file yet.
-pub(crate) struct Group {
-    chunks: Vec<(Bytes, ColumnCloseResult)>,
-}
+pub(crate) type Group = Vec<(Bytes, ColumnCloseResult)>;
 
 impl Encoder {
     /// For columns like these; `path` is named in errors.
@@ -138,7 +137,7 @@ impl Encoder {
         let closed = closed.map_err(encode())?;
         let bytes = chunks.into_iter().map(|chunk| Ok(Bytes::from(chunk.into_inner()?)));
         let bytes = bytes.collect::<Result<Vec<_>, ParquetError>>().map_err(encode())?;
-        Ok(Group { chunks: bytes.into_iter().zip(closed).collect() })
+        Ok(bytes.into_iter().zip(closed).collect())
     }
 }
 
@@ -146,13 +145,15 @@ impl Encoder {
 pub(crate) struct ParquetFile {
     path: PathBuf,
     encoder: Encoder,
-    writer: SerializedFileWriter<TemporaryFile>,
+    writer: SerializedFileWriter<NamedTempFile>,
+    /// Kept until the file has its name, or is removed.
+    registered: Registered,
     /// Whether it will contain its own hash.
     sealed: bool,
 }
 
 impl ParquetFile {
-    /// Creates a file for columns like these with key-value metadata. If [`seal::unsealed`] is among them, the file
+    /// Creates a file for columns like these with key-value metadata. If [`footer::unsealed`] is among them, the file
     /// will contain its own hash.
     pub(crate) fn create(
         path: &Path,
@@ -164,13 +165,14 @@ impl ParquetFile {
             .chain(arrow_schema::entry(columns))
             .map(|(key, value)| KeyValue::new(key.to_string(), value))
             .collect();
-        let sealed = key_values.iter().any(|pair| pair.key == seal::SEAL_KEY);
+        let sealed = key_values.iter().any(|pair| pair.key == footer::SEAL_KEY);
         let encoder = Encoder::new(path, columns)?;
         let properties = WriterProperties::clone(&encoder.properties).into_builder();
         let properties = Arc::new(properties.set_key_value_metadata(Some(key_values)).build());
-        let writer = SerializedFileWriter::new(whole_file::begin(path)?, Arc::clone(&encoder.schema), properties)
-            .map_err(DiskError::encode(path))?;
-        Ok(ParquetFile { path: path.to_path_buf(), encoder, writer, sealed })
+        let TemporaryFile { file, registered } = whole_file::begin(path)?;
+        let writer = SerializedFileWriter::new(file, Arc::clone(&encoder.schema), properties);
+        let writer = writer.map_err(DiskError::encode(path))?;
+        Ok(ParquetFile { path: path.to_path_buf(), encoder, writer, registered, sealed })
     }
 
     /// Writes a row group, unless it has no rows. Its rows come in batches; only what is encoded is kept in memory.
@@ -181,12 +183,12 @@ impl ParquetFile {
 
     /// Appends a row group that an encoder for columns like those of the file has encoded, unless it has no rows.
     pub(crate) fn append(&mut self, group: Group) -> Result<(), DiskError> {
-        if group.chunks.iter().all(|(_, closed)| closed.rows_written == 0) {
+        if group.iter().all(|(_, closed)| closed.rows_written == 0) {
             return Ok(());
         }
         let append = || -> Result<(), ParquetError> {
             let mut row_group = self.writer.next_row_group()?;
-            for (bytes, closed) in group.chunks {
+            for (bytes, closed) in group {
                 row_group.append_column(&bytes, closed)?;
             }
             row_group.close()?;
@@ -197,12 +199,11 @@ impl ParquetFile {
 
     /// Writes the footer and gives the file its name.
     pub(crate) fn close(self) -> Result<(), DiskError> {
-        let mut temporary = self.writer.into_inner().map_err(DiskError::encode(&self.path))?;
-        let file = temporary.as_file_mut();
-        column_order::declare_usual(file)
-            .and_then(|()| if self.sealed { seal::seal(file) } else { Ok(()) })
+        let mut file = self.writer.into_inner().map_err(DiskError::encode(&self.path))?;
+        footer::declare_usual_order(file.as_file_mut())
+            .and_then(|()| if self.sealed { footer::seal(file.as_file_mut()) } else { Ok(()) })
             .map_err(DiskError::io(&self.path, "write"))?;
-        whole_file::commit(temporary, &self.path)
+        whole_file::commit(TemporaryFile { file, registered: self.registered }, &self.path)
     }
 }
 

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::Category;
-use crate::disk::table::{COLUMNS_KEY, Column, Described, Type, part_names};
+use crate::disk::table::{COLUMNS_KEY, Column, Described, Type};
 use crate::disk::tables::dictionary::Table;
 
 /// The codes of the built-in categories and of `further` ones with their names; −1 is none.
-pub(crate) fn category_codes(further: &[Category]) -> BTreeMap<i8, String> {
+fn category_codes(further: &[Category]) -> BTreeMap<i8, String> {
     let categories = Category::BUILT_IN.iter().chain(further);
     let codes = categories.map(|category| (category.code(), category.name().to_owned()));
     codes.chain([(-1, "none".to_owned())]).collect()
@@ -30,7 +30,7 @@ struct About {
 pub(crate) fn about(tables: &[&Table], columns: &[Column], further: &[Category]) -> String {
     let described: Vec<Described> = tables.iter().flat_map(|table| (table.columns)()).collect();
     let all = columns.iter().filter_map(|column| {
-        let found = described.iter().find(|described| covers(described, &column.name))?;
+        let found = described.iter().find(|described| described.covers(&column.name))?;
         let codes = if found.value == Type::Int8 { category_codes(further) } else { BTreeMap::new() };
         Some((&column.name, About { description: found.what, unit: found.unit, codes }))
     });
@@ -42,32 +42,17 @@ pub(crate) fn about_entry(tables: &[&Table], columns: &[Column], further: &[Cate
     (COLUMNS_KEY, about(tables, columns, further))
 }
 
-/// Whether an entry describes a column of a file.
-pub(crate) fn covers(described: &Described, name: &str) -> bool {
-    match described.name.strip_suffix("PATCH") {
-        Some(prefix) => name.starts_with(prefix),
-        None => part_names(described).iter().any(|part| part == name),
-    }
-}
-
-/// A table with its columns in Markdown.
-fn describe(table: &Table) -> String {
-    let Table { name, path, row, columns, .. } = table;
-    let mut text =
-        format!("\n## {name} (`{path}`)\n\nOne row is {row}.\n\n| column | type | unit | what |\n|---|---|---|---|\n");
-    for column in columns() {
-        text += &format!("| `{}` | {} | {} | {} |\n", column.name, column.kind(), column.unit, column.what);
-    }
-    text
-}
-
 /// Tables, columns, units and codes in Markdown; `further` are categories that are not built in.
-pub(crate) fn describe_tables(tables: &[&Table], further: &[Category]) -> String {
+pub(crate) fn describe_tables<'a>(tables: impl IntoIterator<Item = &'a Table>, further: &[Category]) -> String {
     let codes: Vec<_> = category_codes(further).iter().map(|(code, name)| format!("{code} {name}")).collect();
     let codes = codes.join(", ").replace('-', "−");
     let mut text = format!("Category codes: {codes}. The metadata of the Parquet files have units and codes, too.\n");
-    for table in tables {
-        text += &describe(table);
+    for Table { name, path, row, columns, .. } in tables {
+        text += &format!("\n## {name} (`{path}`)\n\nOne row is {row}.\n\n");
+        text += "| column | type | unit | what |\n|---|---|---|---|\n";
+        for column in columns() {
+            text += &format!("| `{}` | {} | {} | {} |\n", column.name, column.kind(), column.unit, column.what);
+        }
     }
     text
 }

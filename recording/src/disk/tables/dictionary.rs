@@ -264,25 +264,8 @@ row! {
 /// Taxels.
 pub(crate) const TAXELS: Table = table::<SkinTaxel>("taxels", "meta/taxels.parquet", "a taxel");
 
-/// All tables that are described here. LeRobot's own tables in `meta/` are not among them.
-pub(crate) const TABLES: [&Table; 11] = [
-    &FRAMES,
-    &TRUTH_TAXELS,
-    &TRUTH_PATCHES,
-    &TRUTH_OBJECTS,
-    &TRUTH_CONTACTS,
-    &TRUTH_CONTACT_POINTS,
-    &TRUTH_GOALS,
-    &TRUTH_BODIES,
-    &TRUTH_POSES,
-    &MAP,
-    &TAXELS,
-];
-
 /// Whether a column of frames has a number, or several, for each joint or taxel, so that its rows are lists even if there is one.
 pub fn is_of_joints_or_taxels(name: &str) -> bool {
-    FRAME_COLUMNS.iter().chain(TRUTH_COLUMNS).map(|column| &column.described).any(|own| {
-        let is_same = own.name.strip_suffix("PATCH").map_or(name == own.name, |prefix| name.starts_with(prefix));
-        is_same && matches!(own.width, Width::Joints | Width::Taxels(_))
-    })
+    let mut columns = FRAME_COLUMNS.iter().chain(TRUTH_COLUMNS).map(|column| &column.described);
+    columns.any(|own| own.covers(name) && matches!(own.width, Width::Joints | Width::Taxels(_)))
 }

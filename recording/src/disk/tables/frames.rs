@@ -215,7 +215,7 @@ pub(crate) static FRAME_COLUMNS: &[FrameColumn] = frame_columns! {
 /// A column of the frames of a robot: of one of its patches, if the column belongs to patches.
 #[derive(Clone)]
 pub(crate) struct Feature {
-    column: &'static FrameColumn,
+    pub(crate) column: &'static FrameColumn,
     /// Name of the column, without "/".
     pub(crate) name: String,
     patch: usize,
@@ -242,17 +242,11 @@ impl Feature {
         Feature { column, name, patch, width, names }
     }
 
-    /// Type of its numbers.
-    pub(crate) fn number(&self) -> Type {
-        self.column.described.value
-    }
-
     /// What a reader of frames needs of it.
     fn want(&self) -> Want {
-        match self.width {
-            _ if self.column.take.is_none() => Want::Nothing,
-            Some(width) => Want::Fixed(width),
-            None => Want::All,
+        match self.column.take {
+            Some(_) => self.width.map_or(Want::All, Want::Fixed),
+            None => Want::Nothing,
         }
     }
 

@@ -43,12 +43,9 @@ pub(crate) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
             give_readings(rows, place, to, |reading| reading.object.map_or(NONE.into(), |object| object as i16));
         };
         take |recording, place, from| {
-            let count = recording.objects.len();
             for (taxel, object) in from.iter().enumerate().filter(|(_, object)| **object != i16::from(NONE)) {
-                let known = u16::try_from(*object).ok().filter(|object| usize::from(*object) < count);
-                let allowed = || format!("−1 or an object from 0 to {}", count.saturating_sub(1));
-                let object = known.ok_or_else(|| (object.to_string(), allowed()))?;
-                reading_of(recording, place, taxel).object = Some(object);
+                let object = object_of(recording, (*object).into())?;
+                reading_of(recording, place, taxel).object = object;
             }
             Ok(())
         };
@@ -61,12 +58,7 @@ pub(crate) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
         // The category is that of the object, which was read before.
         take |recording, place, from| {
             for reading in readings_of(recording, place) {
-                let Some(object) = reading.object else { continue };
-                let expected = recording.objects[usize::from(object)].category.code();
-                let found = from[usize::from(reading.taxel)];
-                if found != expected {
-                    return Err((found.to_string(), format!("{expected}, the category of object {object}")));
-                }
+                check_code(recording, reading.object, from[usize::from(reading.taxel)])?;
             }
             Ok(())
         };
@@ -95,6 +87,25 @@ pub(crate) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
         };
         take add_poses;
 };
+
+/// The object with an index that a table holds.
+pub(crate) fn object_of(recording: &Recording, index: i32) -> Result<Option<u16>, Fault> {
+    if index == i32::from(NONE) {
+        return Ok(None);
+    }
+    let count = recording.objects.len();
+    let known = u16::try_from(index).ok().filter(|object| usize::from(*object) < count);
+    let allowed = || format!("−1 or an object from 0 to {}", count.saturating_sub(1));
+    known.map(Some).ok_or_else(|| (index.to_string(), allowed()))
+}
+
+/// An error unless a code is that of the category of an object, if there is one.
+pub(crate) fn check_code(recording: &Recording, object: Option<u16>, found: i8) -> Result<(), Fault> {
+    let Some(object) = object else { return Ok(()) };
+    let expected = recording.objects[usize::from(object)].category.code();
+    let allowed = || format!("{expected}, the category of object {object}");
+    if found == expected { Ok(()) } else { Err((found.to_string(), allowed())) }
+}
 
 /// Adds the contacts of a frame.
 fn add_contact_points(recording: &mut Recording, place: Place, from: &[f32]) -> Result<(), Fault> {

@@ -7,8 +7,8 @@ use crate::disk::table::{Batch, EpisodeRows, Text};
 use crate::disk::tables::dictionary::{
     MapRow, TruthContact, TruthContactPoint, TruthGoal, TruthObject, TruthPatch, TruthPose, TruthTaxel,
 };
-use crate::disk::tables::frames::{Place, is_nothing, reading_of};
-use crate::disk::tables::truth_columns::NONE;
+use crate::disk::tables::frames::{Fault, Place, is_nothing, reading_of};
+use crate::disk::tables::truth_columns::{NONE, check_code, object_of};
 use crate::{
     Body, BodyOwner, Category, Contact, ContactPoint, DiskError, GoalRecord, MappedObstacle, ObjectRecord,
     ObstacleKind, Outcome, Recording, SafetyStop, SkinLayout, TaxelReading, TrackPoint,
@@ -337,32 +337,15 @@ pub(crate) fn add_taxels(rows: &EpisodeRows, recording: &mut Recording) -> Resul
             let allowed = format!("the index of a taxel in a patch of {count}");
             batch.error("taxel", row.taxel.to_string(), allowed)
         })?;
-        let object = object_of(batch, recording, &row)?;
+        let fault = |column: &'static str| move |(found, allowed): Fault| batch.error(column, found, allowed);
+        let object = object_of(recording, row.object_index).map_err(fault("object_index"))?;
+        check_code(recording, object, row.category_code).map_err(fault("category_code"))?;
         let reading = reading_of(recording, place, taxel);
         reading.true_normal_force_n = row.normal_force_n;
         reading.true_shear_force_n = [row.shear_force_tangent_n, row.shear_force_binormal_n];
         reading.object = object;
     }
     Ok(())
-}
-
-/// The object of a row. Its category must have the stored code.
-fn object_of(batch: &Batch, recording: &Recording, row: &TruthTaxel) -> Result<Option<u16>, DiskError> {
-    let index = row.object_index;
-    if index == i32::from(NONE) {
-        return Ok(None);
-    }
-    let known = u16::try_from(index).ok();
-    let Some(object) = known.and_then(|index| recording.objects.get(usize::from(index))) else {
-        let last = recording.objects.len().saturating_sub(1);
-        let allowed = format!("−1 or an object from 0 to {last}");
-        return Err(batch.error("object_index", index.to_string(), allowed));
-    };
-    if object.category.code() != row.category_code {
-        let allowed = format!("{}, the category of object {index}", object.category.code());
-        return Err(batch.error("category_code", row.category_code.to_string(), allowed));
-    }
-    Ok(known)
 }
 
 /// An episode's patches in contact, as rows for the same reason as in [`taxel_rows`].

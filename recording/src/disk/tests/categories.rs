@@ -91,6 +91,6 @@ fn categories_that_clash_are_refused() {
     for object in recording.objects.iter_mut().filter(|object| object.category != REED) {
         object.category = same_code;
     }
-    let error = write_recording(folder.path().join("reach.parquet"), &recording).unwrap_err();
+    let error = write_recording(&folder.path().join("reach.parquet"), &recording).unwrap_err();
     assert!(error.to_string().contains("\"cane\" with code 4") || error.to_string().contains("\"reed\" with code 4"));
 }

@@ -7,8 +7,9 @@ use serde_json::{Value, json};
 use super::dataset::{info, make};
 use super::reach;
 use crate::disk::table::read::{COLUMNS_KEY, ParquetTable};
-use crate::disk::tables::description::{covers, describe_tables};
-use crate::disk::tables::dictionary::{FRAMES, RECORDING_TRUTH, TABLES, Table};
+use crate::disk::tables::all_tables;
+use crate::disk::tables::description::describe_tables;
+use crate::disk::tables::dictionary::{FRAMES, RECORDING_TRUTH, Table};
 use crate::disk::trials::TRIALS;
 use crate::disk::{write_recording, write_trials};
 use crate::{Sample, Trial};
@@ -27,7 +28,7 @@ fn described(path: &Path, tables: &[&Table]) {
     let mut found = columns(path);
     for column in tables.iter().flat_map(|table| (table.columns)()) {
         let covered = found.extract_if(.., |(name, about)| {
-            let same = covers(&column, name);
+            let same = column.covers(name);
             if same {
                 assert_eq!(about["description"], column.what, "{name}");
                 assert_eq!(about.get("unit").map_or("", |unit| unit.as_str().unwrap()), column.unit, "{name}");
@@ -46,7 +47,7 @@ fn every_column_is_described_in_the_file_itself() {
     let folder = tempfile::tempdir().unwrap();
     let set = folder.path().join("set");
     make(&set);
-    for table in TABLES {
+    for table in all_tables() {
         let path = set.join(table.path);
         let file = path.join("chunk-000/file-000.parquet");
         described(if path.is_file() { &path } else { &file }, &[table]);
@@ -68,7 +69,7 @@ fn readers_of_some_years_know_the_order_of_columns() {
     let (set, recording) = (folder.path().join("set"), folder.path().join("reach.parquet"));
     make(&set);
     write_recording(&recording, &reach(0, 5)).unwrap();
-    let tables = TABLES.into_iter().map(|table| set.join(table.path));
+    let tables = all_tables().map(|table| set.join(table.path));
     let file = |path: PathBuf| {
         if path.is_file() { path } else { path.join("chunk-000/file-000.parquet") }
     };
@@ -117,7 +118,7 @@ fn frames_hold_no_ground_truth() {
 #[test]
 fn the_document_lists_the_tables() {
     let document = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/data.md")).unwrap();
-    let tables: Vec<&Table> = TABLES.into_iter().chain([&RECORDING_TRUTH, &TRIALS]).collect();
+    let tables = all_tables().chain([&RECORDING_TRUTH, &TRIALS]);
     let (_, listed) = document.split_once("<!-- tables -->\n\n").unwrap();
-    assert_eq!(describe_tables(&tables, &[]), listed);
+    assert_eq!(describe_tables(tables, &[]), listed);
 }

@@ -64,7 +64,8 @@ fn make_parts(root: &Path, count: u64) -> Vec<PathBuf> {
 }
 
 fn refused(parts: &[&PathBuf]) -> InputError {
-    match Shards::open(parts) {
+    let parts: Vec<PathBuf> = parts.iter().copied().cloned().collect();
+    match Shards::open(&parts) {
         Err(DiskError::Input(error)) => error,
         other => panic!("an InputError is expected, not {other:?}"),
     }
@@ -140,7 +141,7 @@ fn what_is_not_every_part_once_is_refused() {
     assert_eq!((error.file, error.found.as_str()), (of_four, "4/4"));
     assert!(error.allowed.contains("a part of 3, as in"), "{}", error.allowed);
 
-    let nothing = Shards::open(Vec::<PathBuf>::new());
+    let nothing = Shards::open(&[]);
     assert!(matches!(nothing, Err(DiskError::Input(error)) if error.found == "none"));
 }
 

@@ -101,9 +101,9 @@ fn a_silent_taxel_is_not_written() {
     let reading = &mut recording.frames[9].taxels[1];
     (reading.true_normal_force_n, reading.true_shear_force_n, reading.sensed_force_n) = (0.0, [0.0, -0.0], 0.0);
     let folder = tempfile::tempdir().unwrap();
-    write_recording(folder.path().join("kept.parquet"), &recording).unwrap();
+    write_recording(&folder.path().join("kept.parquet"), &recording).unwrap();
     recording.frames[9].taxels[1].object = None;
-    let refused = write_recording(folder.path().join("refused.parquet"), &recording);
+    let refused = write_recording(&folder.path().join("refused.parquet"), &recording);
     assert!(matches!(refused, Err(DiskError::Unwritable { field, .. }) if field == "frames[9].taxels[1]"));
 }
 
@@ -137,7 +137,7 @@ proptest! {
         fs::write(&path, &bytes).unwrap();
         prop_assert!(read_recording(&path).is_err());
         let mut file = fs::OpenOptions::new().read(true).write(true).open(&path).unwrap();
-        let _no_place_for_it = crate::disk::seal::seal(&mut file);
+        let _no_place_for_it = crate::disk::footer::seal(&mut file);
         let _either = read_recording(&path);
     }
 }
@@ -151,6 +151,6 @@ fn a_foreign_parquet_file_is_refused_with_a_remedy() {
     let error = misread(read_recording(&path));
     assert_eq!(error.field, "underbrush.format");
     assert!(error.remedy.contains("underbrush"));
-    let absent = misread(read_recording(folder.path().join("absent.parquet")));
+    let absent = misread(read_recording(&folder.path().join("absent.parquet")));
     assert_eq!(absent.found, "no such file");
 }

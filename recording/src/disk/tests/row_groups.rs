@@ -1,14 +1,12 @@
 use std::fs;
-use std::sync::Arc;
 
 use super::dataset::plan;
 use super::reach;
 use crate::Recording;
 use crate::disk::dataset::ROWS_PER_GROUP;
-use crate::disk::table::parquet_input::ParquetInput;
 use crate::disk::table::read::{ParquetTable, Want};
-use crate::disk::table::row_groups::{EpisodeRows, read_rows, row_groups_of};
-use crate::disk::tables::dictionary::{TABLES, Table};
+use crate::disk::table::row_groups::{EpisodeRows, Footers, row_groups_of};
+use crate::disk::tables::tables_of_reaches;
 use crate::disk::{Dataset, DatasetWriter};
 
 /// Number of reaches. Together they fill several row groups of every table except goals and objects.
@@ -34,11 +32,6 @@ fn make(dir: &std::path::Path) -> (Dataset, Vec<Recording>) {
     (writer.finish().unwrap(), recordings)
 }
 
-/// The tables with rows for every reach.
-fn tables() -> impl Iterator<Item = &'static Table> {
-    TABLES.into_iter().filter(|table| !table.path.starts_with("meta/"))
-}
-
 /// Tests that a reach is within one row group of every table, that a group holds at most a given number of rows and
 /// one more reach, and that reading a reach uses no other group: the others are overwritten with garbage and the
 /// reach can still be read.
@@ -47,7 +40,7 @@ fn reading_a_reach_touches_its_own_row_groups_alone() {
     let folder = tempfile::tempdir().unwrap();
     let (set, recordings) = make(folder.path());
     let mut several = 0;
-    for described in tables() {
+    for described in tables_of_reaches() {
         let path = folder.path().join(described.path).join("chunk-000/file-000.parquet");
         let whole_table = ParquetTable::open(&path).unwrap();
         let metadata = &whole_table.footer;
@@ -56,7 +49,8 @@ fn reading_a_reach_touches_its_own_row_groups_alone() {
         for episode in [0, 1, REACHES / 2, REACHES - 1] {
             let groups = row_groups_of(metadata, episode);
             assert_eq!(groups.len(), 1, "{}: reach {episode}", described.path);
-            let expected = read_rows(&whole_table, episode, &|_| Want::All).unwrap();
+            let rows_in = |path: &std::path::Path| Footers::default().rows(path, episode, &|_| Want::All).unwrap();
+            let expected = rows_in(&path);
             // A reach has at most three taxels per frame.
             let longest = 3 * recordings[REACHES - 1].frames.len();
             let rows = metadata.row_group(groups[0]).num_rows() as usize;
@@ -70,8 +64,7 @@ fn reading_a_reach_touches_its_own_row_groups_alone() {
             }
             let other = folder.path().join("spoiled.parquet");
             fs::write(&other, spoiled).unwrap();
-            let table = ParquetTable { file: ParquetInput::open(&other).unwrap(), footer: Arc::clone(metadata) };
-            let found = read_rows(&table, episode, &|_| Want::All).unwrap();
+            let found = rows_in(&other);
             let columns =
                 |rows: &EpisodeRows| rows.batches.iter().map(|batch| batch.columns.clone()).collect::<Vec<_>>();
             assert!(found.count() > 0 && columns(&found) == columns(&expected), "{}", described.path);

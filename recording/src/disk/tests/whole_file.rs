@@ -47,7 +47,7 @@ fn leftovers_of_an_output_go_with_its_next_run() {
     assert_eq!(names(folder), [".hidden", &others, "trials.csv"]);
     assert_eq!(fs::read(folder.join("trials.csv")).unwrap(), b"anew");
     leftover(folder, "reach.parquet", "abandoned");
-    write_recording(folder.join("reach.parquet"), &reach(0, 5)).unwrap();
+    write_recording(&folder.join("reach.parquet"), &reach(0, 5)).unwrap();
     assert_eq!(names(folder), [".hidden", &others, "reach.parquet", "trials.csv"]);
 }
 

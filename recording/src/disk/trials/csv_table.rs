@@ -3,12 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::cell::{Cell, Cells};
-use super::collect::Collector;
+use super::rows::{Cell, Cells, Collector};
 use super::{COLUMNS, channel_columns, columns_of, place_columns};
-use crate::disk::whole_file;
+use crate::disk::whole_file::{self, TemporaryFile};
+use crate::fault::line_of_row;
 use crate::limits::CSV_BYTES;
-use crate::text_line::line_of_row;
 use crate::{DiskError, InputError, Trial, read_bytes};
 
 /// Converts an error of the CSV parser, which reads from memory.
@@ -43,8 +42,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
         let line = record.position().map_or(0, |position| line_of_row(&text, position));
         let channels =
             others.iter().filter_map(|(name, place)| Some((Arc::clone(name), cell(Some(*place)).channel()?)));
-        let channels = channels.collect();
-        collector.push(path, Cells { path, line, cells: places.map(cell), channels }.row()?)?;
+        collector.push(Cells { path, line, channels: channels.collect(), cells: places.map(cell) })?;
     }
     Ok(collector.trials)
 }
@@ -53,7 +51,8 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
 pub(super) fn write(path: &Path, channels: &[Arc<str>], trials: &[Trial]) -> Result<(), DiskError> {
     // Not `DiskError::io` for each row: it copies the path.
     let failed = |error: csv::Error| DiskError::io(path, "write")(error);
-    let mut writer = csv::Writer::from_writer(whole_file::begin(path)?);
+    let TemporaryFile { file, registered } = whole_file::begin(path)?;
+    let mut writer = csv::Writer::from_writer(file);
     let names: Vec<&str> = COLUMNS.into_iter().chain(channels.iter().map(|name| &**name)).collect();
     writer.write_record(names).map_err(failed)?;
     for trial in trials {
@@ -62,6 +61,6 @@ pub(super) fn write(path: &Path, channels: &[Arc<str>], trials: &[Trial]) -> Res
             writer.write_record(columns.iter().map(|column| column.shown(row))).map_err(failed)?;
         }
     }
-    let temporary = writer.into_inner().map_err(|error| DiskError::io(path, "write")(error.into_error()))?;
-    whole_file::commit(temporary, path)
+    let file = writer.into_inner().map_err(|error| DiskError::io(path, "write")(error.into_error()))?;
+    whole_file::commit(TemporaryFile { file, registered }, path)
 }

@@ -6,10 +6,9 @@
 //! the taxel in that sample ([`crate::Sample::touched`]). Rows of a trial need not be adjacent. Trials are in the
 //! order of their first rows.
 
-mod cell;
-mod collect;
 mod csv_table;
 mod parquet_table;
+mod rows;
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -90,8 +89,6 @@ pub const COLUMNS: [&str; TrialRow::COLUMNS.len()] = {
     }
     names
 };
-/// The only column of truth values.
-const TOUCHED: &str = "touched";
 /// The required columns.
 const REQUIRED: [&str; 3] = ["trial", "time_s", "force_n"];
 

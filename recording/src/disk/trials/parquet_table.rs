@@ -3,10 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::cell::{Cell, Cells};
-use super::collect::Collector;
-use super::{COLUMNS, TOUCHED, TRIALS, channel_columns, channel_names, columns_of, place_columns};
-use crate::disk::seal;
+use super::rows::{Cell, Cells, Collector};
+use super::{COLUMNS, TRIALS, channel_columns, channel_names, columns_of, place_columns};
+use crate::disk::footer;
 use crate::disk::table::{Batch, Column, ParquetFile, ParquetTable, ROWS_PER_BATCH, Values, Want, unknown};
 use crate::disk::tables::description::{about, about_entry};
 use crate::{DiskError, Trial};
@@ -15,7 +14,7 @@ use crate::{DiskError, Trial};
 pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
     let table = ParquetTable::open(path)?;
     // Tables of other programs do not contain a hash.
-    seal::check_if_sealed(path)?;
+    footer::check_if_sealed(path)?;
     let fields = table.footer.file_metadata().schema().get_fields().iter();
     let names: Vec<String> = fields.map(|field| field.name().to_owned()).collect();
     place_columns(path, &names)?;
@@ -38,8 +37,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
             let cells = columns.map(|column| column.map_or(Cell::Missing, |column| cell(column, row)));
             let channels =
                 others.iter().filter_map(|(name, column)| Some((Arc::clone(name), cell(column, row).channel()?)));
-            let channels = channels.collect();
-            collector.push(path, Cells { path, line, cells, channels }.row()?)?;
+            collector.push(Cells { path, line, cells, channels: channels.collect() })?;
         }
     }
     Ok(collector.trials)
@@ -47,7 +45,8 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
 
 /// An error if a column has a type that none of the columns of trials can have.
 fn check_type(path: &Path, column: &Column) -> Result<(), DiskError> {
-    let flags = matches!(column.values, Values::Bool(_)) && column.name != TOUCHED;
+    // One column has truth values.
+    let flags = matches!(column.values, Values::Bool(_)) && column.name != "touched";
     if !column.has_lists() && (!flags || column.missing() == column.count()) {
         return Ok(());
     }
@@ -84,7 +83,7 @@ pub fn trial_table(trials: &[Trial]) -> Batch {
 /// Writes a table, as one row group.
 pub(super) fn write(path: &Path, channels: &[Arc<str>], trials: &[Trial]) -> Result<(), DiskError> {
     let none = columns_of(&[], channels);
-    let mut file = ParquetFile::create(path, &none, vec![about_entry(&[&TRIALS], &none, &[]), seal::unsealed()])?;
+    let mut file = ParquetFile::create(path, &none, vec![about_entry(&[&TRIALS], &none, &[]), footer::unsealed()])?;
     let mut rows = 0;
     // A batch ends with the trial that fills it.
     let batches = trials.split_inclusive(|trial| {

@@ -3,7 +3,7 @@
 //!
 //! When files are complete, their reaches are removed from `incomplete/`. The folder therefore holds the set and the
 //! staged reaches of at most one more file, and not the set twice. After a crash, assembling continues after the last
-//! complete file (`assembled.rs`).
+//! complete file (`packed.rs`).
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,21 +12,18 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::assembled::Assembled;
-use super::card::card;
 use super::folder::Staging;
+use super::packed::Assembled;
 use super::statistics::Statistics;
 use super::table_files::{FurtherColumns, TableFiles, further_columns};
 use crate::disk::dataset::checksums::{FileSum, files_below, files_of_set};
-use crate::disk::dataset::info::{FORMAT, Info, ProvenanceFile};
+use crate::disk::dataset::info::{FORMAT, Info, ProvenanceFile, card};
 use crate::disk::dataset::names;
 use crate::disk::recording_file::batches;
 use crate::disk::table::{Column, Encoder, Group};
-use crate::disk::tables::episode::Episode;
-use crate::disk::tables::episode_table::write_episodes;
+use crate::disk::tables::episode::{Episode, write_episodes};
 use crate::disk::tables::frames::{FRAME_COLUMNS, Feature, Numbering, ReachRows, columns_of, features};
-use crate::disk::tables::tasks::write_tasks;
-use crate::disk::tables::taxel_table::write_taxels;
+use crate::disk::tables::shared_tables::{write_tasks, write_taxels};
 use crate::disk::whole_file::{create_folder, json_bytes, remove_if_there, remove_leftovers, write_bytes, write_json};
 use crate::{Category, DiskError, Recording};
 

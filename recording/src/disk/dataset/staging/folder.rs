@@ -10,7 +10,7 @@ use serde_json::Value;
 use crate::disk::dataset::info::{MEGABYTES_PER_FILE, read_json};
 use crate::disk::dataset::plan::first_difference;
 use crate::disk::dataset::{Dataset, DatasetPlan, names};
-use crate::disk::input_file::{is_there, metadata};
+use crate::disk::named_path::{is_there, metadata};
 use crate::disk::whole_file::{TEMPORARY_PREFIX, json_bytes, remove_if_there, sync_folder, write_new_bytes};
 use crate::{DiskError, InputError};
 
@@ -142,12 +142,7 @@ fn require_same(dir: &Path, stored: &Value, plan: &DatasetPlan) -> Result<(), Di
 /// # Errors
 /// [`DiskError::Input`] if the folder holds anything else, which then stays, as does the set; [`DiskError::InUse`] while
 /// a process writes the set; [`DiskError::Io`] if it cannot be removed.
-pub fn remove_dataset(dir: impl AsRef<Path>) -> Result<(), DiskError> {
-    remove_from(dir.as_ref())
-}
-
-// Not generic, so that it is compiled once and not in each crate that calls it.
-fn remove_from(dir: &Path) -> Result<(), DiskError> {
+pub fn remove_dataset(dir: &Path) -> Result<(), DiskError> {
     let _lock = match look(dir)? {
         Folder::Empty | Folder::Foreign => return Ok(()),
         Folder::Begun => {

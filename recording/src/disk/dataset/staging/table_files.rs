@@ -8,16 +8,10 @@ use std::path::{Path, PathBuf};
 
 use crate::disk::dataset::info::FILES_PER_CHUNK;
 use crate::disk::dataset::names;
-use crate::disk::table::{Column, Group, ParquetFile, Row};
+use crate::disk::table::{Column, Group, ParquetFile};
 use crate::disk::tables::description::about_entry;
-use crate::disk::tables::dictionary::{
-    FRAMES, MAP, TRUTH_BODIES, TRUTH_CONTACT_POINTS, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES,
-    TRUTH_POSES, TRUTH_TAXELS, Table,
-};
-use crate::disk::tables::truth_bodies::body_rows;
-use crate::disk::tables::truth_tables::{
-    contact_point_rows, contact_rows, goal_rows, map_rows, object_rows, patch_rows, pose_rows, taxel_rows,
-};
+use crate::disk::tables::dictionary::Table;
+use crate::disk::tables::{FURTHER, tables_of_reaches};
 use crate::disk::whole_file::create_folder;
 use crate::{Category, DiskError, Recording};
 
@@ -26,24 +20,8 @@ use crate::{Category, DiskError, Recording};
 /// than the few goals in it.
 pub(crate) const ROWS_PER_GROUP: usize = 4096;
 
-/// Makes the columns of an episode for a table.
-type ColumnsOf = fn(usize, &Recording) -> Vec<Column>;
-
 /// The columns of an episode, one list for each table except the frames.
 pub(crate) type FurtherColumns = [Vec<Column>; FURTHER.len()];
-
-/// The tables beside the frames: ground truth, and what the controller believed.
-const FURTHER: [(&Table, ColumnsOf); 9] = [
-    (&TRUTH_TAXELS, |episode, recording| Row::write(&taxel_rows(episode, recording))),
-    (&TRUTH_PATCHES, |episode, recording| Row::write(&patch_rows(episode, recording))),
-    (&TRUTH_OBJECTS, |episode, recording| Row::write(&object_rows(episode, recording))),
-    (&TRUTH_CONTACTS, |episode, recording| Row::write(&contact_rows(episode, recording))),
-    (&TRUTH_CONTACT_POINTS, |episode, recording| Row::write(&contact_point_rows(episode, recording))),
-    (&TRUTH_GOALS, |episode, recording| Row::write(&goal_rows(episode, recording))),
-    (&TRUTH_BODIES, |episode, recording| Row::write(&body_rows(episode, recording))),
-    (&TRUTH_POSES, |episode, recording| Row::write(&pose_rows(episode, recording))),
-    (&MAP, |episode, recording| Row::write(&map_rows(episode, recording))),
-];
 
 /// Makes the columns of an episode for all tables except the frames.
 pub(crate) fn further_columns(episode: usize, recording: &Recording) -> FurtherColumns {
@@ -143,9 +121,8 @@ impl<'a> TableFiles<'a> {
         self.begun += usize::from(is_first);
         let (chunk, number) = ((self.begun - 1) / FILES_PER_CHUNK, (self.begun - 1) % FILES_PER_CHUNK);
         if is_first {
-            let tables = [&FRAMES].into_iter().chain(FURTHER.map(|(table, _)| table));
-            self.files =
-                tables.map(|table| TableFile::new(self.dir, table, names::table(table, chunk, number))).collect();
+            let new = |table| TableFile::new(self.dir, table, names::table(table, chunk, number));
+            self.files = tables_of_reaches().map(new).collect();
         }
         if let Some((data, files)) = self.files.split_first_mut() {
             data.file(columns, self.categories)?.append(frames)?;

@@ -7,18 +7,17 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::assembled::Assembled;
 use super::finish::assemble_from;
 use super::folder::{
     ATTEMPTS, BYTES_PER_FILE, Folder, Staging, list, look, not_locked, open_lock, remove_incomplete, require_same_set,
     settle_plan,
 };
-use super::staged_reach;
+use super::packed::{Assembled, read_reach, write_reach};
 use crate::disk::check::{Violation, check_categories, check_robot, require};
 use crate::disk::dataset::checksums::FileSum;
 use crate::disk::dataset::info::read_json;
 use crate::disk::dataset::{Dataset, DatasetPlan, Shard, names};
-use crate::disk::input_file::is_there;
+use crate::disk::named_path::is_there;
 use crate::disk::whole_file::{create_folder, sync_folder, write_json};
 use crate::{DiskError, Recording};
 
@@ -145,7 +144,7 @@ impl DatasetWriter {
     pub fn stage(&self, position: usize, recording: &Recording) -> Result<(), DiskError> {
         let path = self.staging.path(position);
         self.check_planned(position, recording)?;
-        let written = staged_reach::write(&path, recording)?;
+        let written = write_reach(&path, recording)?;
         let sum = path.with_extension("json");
         write_json(&sum, &written)
     }
@@ -194,7 +193,7 @@ impl DatasetWriter {
         }
         if !self.whole {
             assemble_from(&self.staging, &mut |positions| {
-                positions.into_par_iter().map(|position| staged_reach::read(&self.staging.path(position))).collect()
+                positions.into_par_iter().map(|position| read_reach(&self.staging.path(position))).collect()
             })?;
         }
         self.close()
@@ -210,7 +209,7 @@ impl DatasetWriter {
             let mut staged = |position| {
                 let recording = reach(position)?;
                 self.check_planned(position, &recording)?;
-                staged_reach::write(&self.staging.path(position), &recording)?;
+                write_reach(&self.staging.path(position), &recording)?;
                 Ok(recording)
             };
             assemble_from(&self.staging, &mut |positions| positions.map(&mut staged).collect())?;

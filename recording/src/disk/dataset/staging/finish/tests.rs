@@ -2,7 +2,7 @@ use std::fs;
 
 use super::assemble_from;
 use crate::disk::DatasetWriter;
-use crate::disk::dataset::staging::staged_reach;
+use crate::disk::dataset::staging::packed::read_reach;
 use crate::disk::tests::dataset::{begin, contents, copy, make, recordings};
 
 /// Positions of the reaches that are still staged.
@@ -34,7 +34,7 @@ fn reaches_are_freed_file_by_file() {
             // Assembling stops at a missing reach, as if it had been killed there.
             fs::remove_file(writer.staging.path(killed_at)).unwrap();
             let staging = &writer.staging;
-            let read = |position| staged_reach::read(&staging.path(position));
+            let read = |position| read_reach(&staging.path(position));
             assemble_from(staging, &mut |positions| positions.map(read).collect()).unwrap_err();
             let kept =
                 (0..files.len()).filter(|position| *position > killed_at || files[*position] == files[killed_at - 1]);

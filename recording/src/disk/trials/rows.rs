@@ -1,9 +1,10 @@
-//! The cells of a table of trials: converts what a file holds to the type that a column needs.
+//! The rows of a table of trials: converts what the cells of a file hold to the types that columns need, and collects
+//! rows into trials.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::COLUMNS;
-use super::collect::Row;
 use crate::limits::{self, Limits, short};
 use crate::{Category, Channels, InputError, PLAIN, Region, Sample, Trial, is_plain};
 
@@ -129,8 +130,8 @@ impl<'a> Cells<'a> {
         self.present(column, flag, "true or false")
     }
 
-    /// The row with its types.
-    pub(super) fn row(self) -> Result<Row, InputError> {
+    /// The row with its types: a trial that is still without samples, and the sample.
+    fn row(&mut self) -> Result<(Trial, Sample), InputError> {
         let time_s = self.number(5, limits::TIME_S)?;
         let force_n = self.number(6, limits::FORCE_N)?;
         let sample = Sample {
@@ -139,7 +140,7 @@ impl<'a> Cells<'a> {
             motion_m: self.number(7, limits::MOTION_M)?,
             region: self.region()?,
             touched: self.flag(11)?,
-            channels: Channels::default(),
+            channels: std::mem::take(&mut self.channels),
         };
         let trial = Trial {
             trial: self.whole(0)?.ok_or_else(|| self.error(0, "the number of the trial"))?,
@@ -149,7 +150,24 @@ impl<'a> Cells<'a> {
             taxel: self.whole(4)?,
             samples: Vec::new(),
         };
-        Ok(Row { line: self.line, trial, sample: Sample { channels: self.channels, ..sample } })
+        Ok((trial, sample))
+    }
+
+    /// An error unless a fact about a trial is the same as in its earlier rows.
+    fn require_same<T: PartialEq + ToString>(
+        &self,
+        trial: u64,
+        column: &str,
+        own: &Option<T>,
+        before: &Option<T>,
+    ) -> Result<(), InputError> {
+        if own == before {
+            return Ok(());
+        }
+        let [found, before] = [own, before].map(|value| value.as_ref().map_or("nothing".to_string(), T::to_string));
+        let allowed = format!("{before}, as in earlier rows of trial {trial}");
+        let remedy = "give all rows of a trial the same value, or give each value its own trial number";
+        Err(InputError::new(self.path, column, found, allowed, remedy).at_line(self.line))
     }
 
     /// The region, if the row has one.
@@ -173,5 +191,42 @@ impl<'a> Cells<'a> {
             }
             None => Ok(Some(region)),
         }
+    }
+}
+
+/// Trials in the order of their first rows.
+#[derive(Default)]
+pub(super) struct Collector {
+    pub(super) trials: Vec<Trial>,
+    places: BTreeMap<u64, usize>,
+    rows: u64,
+}
+
+impl Collector {
+    /// Adds a row to its trial.
+    pub(super) fn push(&mut self, mut cells: Cells) -> Result<(), InputError> {
+        let (own, sample) = cells.row()?;
+        let (path, number) = (cells.path, own.trial);
+        self.rows += 1;
+        limits::TABLE_ROWS.check(path, "rows", self.rows)?;
+        let Some(&place) = self.places.get(&number) else {
+            self.places.insert(number, self.trials.len());
+            self.trials.push(Trial { samples: vec![sample], ..own });
+            return Ok(());
+        };
+        let trial = &mut self.trials[place];
+        cells.require_same(number, "category", &own.category, &trial.category)?;
+        cells.require_same(number, "reach", &own.reach, &trial.reach)?;
+        cells.require_same(number, "patch", &own.patch, &trial.patch)?;
+        cells.require_same(number, "taxel", &own.taxel, &trial.taxel)?;
+        let (time_s, before) = (sample.time_s, trial.samples.last().map_or(f64::NEG_INFINITY, |last| last.time_s));
+        if time_s <= before {
+            let allowed = format!("more than {before}, the previous time in trial {number}");
+            let remedy = "sort the rows of each trial by time and delete duplicates";
+            return Err(InputError::new(path, "time_s", time_s.to_string(), allowed, remedy).at_line(cells.line));
+        }
+        trial.samples.push(sample);
+        let samples = limits::TRIAL_SAMPLES.check(path, "samples", trial.samples.len() as u64);
+        samples.map_err(|error| error.at_line(cells.line))
     }
 }

@@ -1,10 +1,10 @@
 //! Reads some columns of one table of a reach, for programs that do not need a whole recording.
 
-use crate::disk::dataset::names;
-use crate::disk::dataset::read::reader::Dataset;
+use crate::disk::dataset::{Dataset, names};
 use crate::disk::table::{Batch, Type, Want};
 use crate::disk::tables::description::about;
-use crate::disk::tables::dictionary::{FRAMES, TABLES, TAXELS, Table};
+use crate::disk::tables::dictionary::{FRAMES, Table};
+use crate::disk::tables::tables_of_reaches;
 use crate::{DiskError, InputError};
 
 impl Dataset {
@@ -31,7 +31,7 @@ impl Dataset {
     /// for an unknown column and one of integers.
     pub fn width_of_floats(&self, column: &str) -> Option<(usize, bool)> {
         let found = self.features().into_iter().find(|feature| feature.name == column)?;
-        let single = match found.number() {
+        let single = match found.column.described.value {
             Type::Float32 => true,
             Type::Float64 => false,
             _ => return None,
@@ -79,9 +79,7 @@ impl Dataset {
 
     /// The names of the tables that [`Dataset::read_table`] reads.
     pub fn table_names() -> Vec<&'static str> {
-        // The table of taxels belongs to the whole set, not to a reach.
-        let of_reaches = TABLES.iter().filter(|table| table.path != TAXELS.path);
-        of_reaches.map(|table| table.path).collect()
+        tables_of_reaches().map(|table| table.path).collect()
     }
 
     /// A reach's rows in a table, named by its folder, such as `truth/taxels`, batch by batch. Without rows it is one empty batch,
@@ -90,10 +88,9 @@ impl Dataset {
     /// # Errors
     /// As [`Dataset::read_columns`].
     pub fn read_table(&self, index: usize, folder: &str) -> Result<Vec<Batch>, DiskError> {
-        let known = Self::table_names();
-        let table = TABLES.iter().find(|table| table.path == folder && known.contains(&table.path));
-        let Some(table) = table else {
-            return Err(InputError::new(self.dir(), "table", folder, known.join(", "), "choose one of them").into());
+        let Some(table) = tables_of_reaches().find(|table| table.path == folder) else {
+            let known = Self::table_names().join(", ");
+            return Err(InputError::new(self.dir(), "table", folder, known, "choose one of them").into());
         };
         let batches = self.read_rows(index, table, None)?;
         if !batches.is_empty() {

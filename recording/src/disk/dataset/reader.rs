@@ -8,16 +8,15 @@ use crate::disk::check::check_recording;
 use crate::disk::dataset::checksums::Checksums;
 use crate::disk::dataset::info::{CODEBASE_VERSION, FORMAT, Info, ProvenanceFile, read_json};
 use crate::disk::dataset::{DatasetPlan, PlannedEpisode, Provenance, names};
-use crate::disk::input_file::{is_there, metadata};
+use crate::disk::named_path::{is_there, metadata};
 use crate::disk::table::{EPISODE_COLUMN, Footers, ParquetTable, Want};
 use crate::disk::tables::dictionary::{
     FRAMES, MAP, TRUTH_BODIES, TRUTH_CONTACT_POINTS, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES,
     TRUTH_POSES, TRUTH_TAXELS, Table,
 };
-use crate::disk::tables::episode::Episode;
-use crate::disk::tables::episode_table::read_episodes;
+use crate::disk::tables::episode::{Episode, read_episodes};
 use crate::disk::tables::frames::{FRAME_COLUMNS, Feature, append_frames, features, wanted};
-use crate::disk::tables::taxel_table::read_taxels;
+use crate::disk::tables::shared_tables::read_taxels;
 use crate::disk::tables::truth_bodies::read_bodies;
 use crate::disk::tables::truth_tables::{
     add_contact_points, add_patches, add_poses, add_taxels, read_contacts, read_goals, read_map, read_objects,
@@ -208,12 +207,11 @@ impl Dataset {
     /// The path of a file of the set, for reading. Its hash is checked the first time. All tables are read through this
     /// function.
     pub(crate) fn file(&self, name: &str) -> Result<PathBuf, DiskError> {
-        let known = |checked: &BTreeSet<String>| checked.contains(name);
-        if !known(&self.checked.lock().unwrap_or_else(PoisonError::into_inner)) {
+        let checked = || self.checked.lock().unwrap_or_else(PoisonError::into_inner);
+        if !checked().contains(name) {
             // Done without the lock: two threads may check the same file, but none waits for another.
             self.checksums.check(&self.dir, name)?;
-            let mut checked = self.checked.lock().unwrap_or_else(PoisonError::into_inner);
-            checked.insert(name.to_owned());
+            checked().insert(name.to_owned());
         }
         Ok(self.dir.join(name))
     }

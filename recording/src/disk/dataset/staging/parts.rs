@@ -1,13 +1,61 @@
-//! Joins the parts of a campaign that was divided among machines into the set that one process would have made.
+//! Makes one set from the parts of a campaign, the set that one process would have made. Either several processes write
+//! into one folder, or the sets of several machines are joined.
+//!
+//! In a folder that is shared, each process stages its part of the reaches in `incomplete/`, under their positions in
+//! the plan of the whole set, and holds a shared lock meanwhile. When it is done, it tries to get the lock exclusively.
+//! It gets the lock only if no other process is at work, so the last process assembles the set. If two processes are
+//! done at the same moment, one of them gets the lock, and sees everything that the other staged before releasing its
+//! lock.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::fs::{File, TryLockError};
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use super::folder::not_locked;
 use crate::disk::dataset::plan::first_difference;
-use crate::disk::dataset::{Dataset, DatasetPlan, DatasetWriter, PlannedEpisode, Shard};
+use crate::disk::dataset::{Dataset, DatasetPlan, DatasetWriter, PlannedEpisode, Shard, names};
+use crate::disk::named_path::is_there;
 use crate::{DiskError, InputError};
+
+impl DatasetWriter {
+    /// Starts or continues a data set in a folder that several processes share. Each process passes the plan of the whole set,
+    /// stages its own reaches ([`DatasetWriter::missing_of`]) and then calls [`DatasetWriter::finish_if_last`].
+    ///
+    /// # Errors
+    /// As [`DatasetWriter::create`] with `resume`. [`DiskError::InUse`] while a process assembles the set, or writes it alone.
+    pub fn share(dir: impl AsRef<Path>, plan: DatasetPlan) -> Result<Self, DiskError> {
+        Self::begin(dir.as_ref().to_path_buf(), plan, true, File::try_lock_shared)
+    }
+
+    /// Ends the work of this process. Assembles the set if no other process is at work in the folder and all reaches
+    /// are staged. Otherwise returns `None`, and leaves the set to the processes that are still at work or start later.
+    ///
+    /// # Errors
+    /// As [`DatasetWriter::finish`].
+    pub fn finish_if_last(mut self) -> Result<Option<Dataset>, DiskError> {
+        let dir = self.staging.dir.clone();
+        let released = self.lock.unlock().map_err(TryLockError::Error);
+        match released.and_then(|()| self.lock.try_lock()).map_err(not_locked(&dir)) {
+            Err(DiskError::InUse { .. }) => return Ok(None),
+            locked => locked?,
+        }
+        if !is_there(&dir.join(names::PLAN))? {
+            // Another process has finished the set while nobody held the lock.
+            return Dataset::open(dir).map(Some);
+        }
+        self.whole = is_there(&dir.join(names::INFO))?;
+        // The checksum of a staged reach is written after the reach, so it is enough that the checksum exists. `finish`
+        // compares the checksums, which takes longer.
+        for position in self.to_assemble()? {
+            if !is_there(&self.staging.path(position).with_extension("json"))? {
+                return Ok(None);
+            }
+        }
+        self.finish().map(Some)
+    }
+}
 
 /// All parts of one campaign, in order.
 #[derive(Debug)]
@@ -71,12 +119,6 @@ fn require_all(places: &BTreeMap<u64, Dataset>, count: u64) -> Result<(), DiskEr
     Err(InputError::new(first.dir(), "shard", found, format!("all {count} parts, each once"), remedy).into())
 }
 
-/// Scene and index of all reaches of a campaign, in order, according to its scenes.
-fn planned(plan: &DatasetPlan) -> impl Iterator<Item = (&str, u64)> {
-    let scenes = plan.provenance.scenes.iter();
-    scenes.flat_map(|scene| (0..scene.reaches).map(|reach| (scene.name.as_str(), reach)))
-}
-
 /// The reaches of the whole campaign, in order, from those of its parts.
 fn joined(parts: &[Dataset], whole: &DatasetPlan) -> Result<Vec<PlannedEpisode>, DiskError> {
     let mut plans: Vec<_> = parts.iter().map(|part| part.plan().episodes.iter()).collect();
@@ -86,7 +128,10 @@ fn joined(parts: &[Dataset], whole: &DatasetPlan) -> Result<Vec<PlannedEpisode>,
         InputError::new(parts[part].dir(), "episodes", found, allowed, "generate the part again").into()
     };
     let mut episodes = Vec::with_capacity(count);
-    for (position, (scene, reach_index)) in planned(whole).enumerate() {
+    // According to the scenes of the campaign.
+    let scenes = whole.provenance.scenes.iter();
+    let planned = scenes.flat_map(|scene| (0..scene.reaches).map(|reach| (scene.name.as_str(), reach)));
+    for (position, (scene, reach_index)) in planned.enumerate() {
         let part = position % parts.len();
         let Some(episode) = plans[part].next() else {
             return Err(error(part, &format!("no reach {reach_index} of {scene}")));
@@ -110,11 +155,8 @@ impl Shards {
     /// [`DiskError::Input`] if a folder is not part of a campaign, is part of another campaign than the first folder,
     /// or holds the same part as another folder, and if parts are missing. The error names the folder or the missing
     /// parts. Otherwise as [`Dataset::open`].
-    pub fn open(dirs: impl IntoIterator<Item = impl AsRef<Path>>) -> Result<Self, DiskError> {
-        Self::of(dirs.into_iter().map(Dataset::open).collect::<Result<Vec<_>, _>>()?)
-    }
-
-    fn of(opened: Vec<Dataset>) -> Result<Self, DiskError> {
+    pub fn open(dirs: &[PathBuf]) -> Result<Self, DiskError> {
+        let opened = dirs.iter().map(Dataset::open).collect::<Result<Vec<_>, _>>()?;
         let Some(first) = opened.first() else {
             let remedy = "name the folders of the parts";
             return Err(InputError::new(".", "parts", "none", "all parts of a campaign", remedy).into());

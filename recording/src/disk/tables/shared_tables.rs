@@ -1,16 +1,43 @@
-//! The skin of a data set: `meta/taxels.parquet` with one row per taxel, and links and grids of the patches in its
-//! metadata.
+//! The tables of what all reaches of a data set share: `meta/tasks.parquet` with one sentence for each kind of reach, and
+//! `meta/taxels.parquet` with one row per taxel, and links and grids of the patches in its metadata.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
+use serde_json::{Value, json};
+
 use crate::disk::check::check_layout;
-use crate::disk::table::{ParquetTable, Row, Want, broken, write_table};
+use crate::disk::table::{Column, ParquetTable, Row, Text, Want, broken, write_table};
 use crate::disk::tables::description::about_entry;
 use crate::disk::tables::dictionary::{SkinTaxel, TAXELS};
 use crate::{DiskError, Patch, SkinLayout, Taxel};
 
 /// Metadata key of the patches without their taxels, as JSON.
 const PATCHES_KEY: &str = "underbrush.patches";
+
+/// The entry of a column in the pandas metadata.
+fn pandas_column(name: &str, pandas: &str, numpy: &str) -> Value {
+    json!({"name": name, "field_name": name, "pandas_type": pandas, "numpy_type": numpy, "metadata": null})
+}
+
+/// Writes the tasks in the order of their numbers, from 0. LeRobot takes the sentence from the pandas index, so the metadata declare `task` as the
+/// index.
+pub(crate) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, usize>) -> Result<(), DiskError> {
+    let mut tasks: Vec<_> = numbers.iter().collect();
+    tasks.sort_unstable_by_key(|(_, number)| **number);
+    let columns = vec![
+        Column::of("task_index", 0..tasks.len() as i64),
+        Column::of("task", tasks.iter().map(|(task, _)| Text::from(**task))),
+    ];
+    let pandas = json!({
+        "index_columns": ["task"],
+        "column_indexes": [],
+        "columns": [pandas_column("task_index", "int64", "int64"), pandas_column("task", "unicode", "object")],
+        "creator": {"library": "underbrush", "version": env!("CARGO_PKG_VERSION")},
+        "pandas_version": "2.0.0",
+    });
+    write_table(path, columns, vec![("pandas", pandas.to_string())])
+}
 
 /// Writes the taxel table.
 pub(crate) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<(), DiskError> {

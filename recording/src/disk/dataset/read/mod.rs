@@ -1,4 +1,0 @@
-//! Reads a finished data set.
-
-mod columns;
-pub(super) mod reader;
