@@ -231,7 +231,7 @@ pub fn mapping(bytes: &[u8]) -> bool {
         for (name, bytes) in seeds {
             let file = path.with_file_name(name);
             fs::write(&file, bytes).expect("a file to import");
-            let _ = import(&file, &mapping);
+            let _ = import(&file, &mapping, false);
         }
         true
     })
@@ -243,7 +243,7 @@ fn imported(name: &str, bytes: &[u8], mapping: &str) -> bool {
         let file = path.with_file_name("mapping.toml");
         fs::write(&file, mapping).expect("the mapping");
         let mapping = Mapping::load(&file).expect("the seeds' mapping");
-        import(path, &mapping).is_ok()
+        import(path, &mapping, false).is_ok()
     })
 }
 

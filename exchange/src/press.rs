@@ -17,6 +17,8 @@ use underbrush_recording::fault::line_of_row;
 use underbrush_recording::limits::CSV_BYTES;
 use underbrush_recording::{InputError, math, read_text};
 
+use crate::straight_line;
+
 /// Fewest samples under load.
 const MIN_SAMPLES: usize = 20;
 
@@ -318,15 +320,9 @@ fn length_s(hold: &[PressSample]) -> f64 {
 fn relaxation(samples: &[PressSample]) -> Option<f64> {
     let hold = holds(samples).max_by(|a, b| length_s(a).total_cmp(&length_s(b)))?;
     let points = hold.iter().map(|sample| (sample.time_s - hold[0].time_s, sample.force_n));
-    let points: Vec<(f64, f64)> = points
-        .filter(|(time_s, _)| *time_s >= 0.1)
-        .map(|(time_s, force_n)| (math::log10(time_s / 0.1), force_n))
-        .collect();
-    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
-    let (decade, force_n) = (mean(|point| point.0), mean(|point| point.1));
-    let covariance: f64 = points.iter().map(|point| (point.0 - decade) * (point.1 - force_n)).sum();
-    let slope = covariance / points.iter().map(|point| (point.0 - decade).powi(2)).sum::<f64>();
-    Some(-slope / (force_n - slope * decade))
+    let points = points.filter(|(time_s, _)| *time_s >= 0.1);
+    let [start_n, slope] = straight_line(points.map(|(time_s, force_n)| (math::log10(time_s / 0.1), force_n)));
+    Some(-slope / start_n)
 }
 
 #[cfg(test)]

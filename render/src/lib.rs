@@ -6,11 +6,10 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-mod arrows;
 mod camera;
 mod colour;
-mod error;
 mod film;
+mod marks;
 mod mesh;
 mod raster;
 mod scene;
@@ -19,8 +18,7 @@ mod stage;
 #[cfg(test)]
 mod tests;
 
-pub use camera::Camera;
-pub use error::{RenderError, Size};
+pub use camera::{Camera, RenderError, Size};
 pub use film::Film;
 pub use scene::Scene;
 pub use stage::{Stage, fullest};

@@ -2,12 +2,9 @@
 
 use std::ops::Range;
 
-use std::f64::consts::TAU;
-
-use glam::{DQuat, DVec3, Vec3};
+use glam::DVec3;
 use underbrush_recording::{
-    Body, BodyOwner, BodyShape, Frame, MappedObstacle, ObjectRecord, ObstacleKind, Pose, Recording, SkinLayout,
-    TrackPoint, distinct, math,
+    Body, BodyOwner, BodyShape, Frame, MappedObstacle, ObjectRecord, Pose, Recording, SkinLayout, TrackPoint, distinct,
 };
 use underbrush_sim::blade::Blade;
 use underbrush_sim::body_log::{BodyLog, link_bodies};
@@ -17,7 +14,7 @@ use underbrush_sim::{Arm, Simulation};
 use crate::camera::bounds;
 use crate::mesh::Mesh;
 use crate::scene::{Kind, Scene, Surface};
-use crate::{Camera, RenderError, arrows, colour};
+use crate::{Camera, RenderError, colour, marks};
 
 /// The label of the table; that of the background is 0.
 const TABLE: u16 = 1;
@@ -26,16 +23,8 @@ const DIRECTION: DVec3 = DVec3::new(0.2, -1.2, 0.8);
 /// Thickness of the table and its width around what stands on it, m.
 const TABLE_M: f64 = 0.03;
 const MARGIN_M: f64 = 0.15;
-/// A taxel's plate lies this far above its place, m, and a goal is drawn with this radius, m.
-const LIFT_M: f64 = 0.0012;
-const GOAL_M: f64 = 0.016;
-
 /// The colours of forces end here if nobody knows yet how large they will be, N. Choice: most contacts stay below.
 const LIVE_N: f64 = 5.0;
-/// Obstacles on a map are cages of rods of this radius, m, with so many uprights. They hang down so far, m, or to the table.
-const ROD_M: f64 = 0.0015;
-const UPRIGHTS: usize = 8;
-const CAGE_M: f64 = 0.4;
 /// The camera sees a body at about this many of its poses.
 const POSES: usize = 8;
 
@@ -269,60 +258,14 @@ impl<'a> Stage<'a> {
                 scene.add(&Mesh::ribbon(blade), &Pose::IDENTITY, thin);
             }
         }
-        self.add_marks(frame, &mut scene);
-        self.add_map(number, &mut scene);
+        marks::add_skin(self.layout, self.full_scale_n, frame, &mut scene);
+        marks::add_goal(frame, &mut scene);
+        let ground_m = self.table.as_ref().map(|(_, pose)| pose.position.z + 0.5 * TABLE_M);
+        marks::add_map(self.map, ground_m, number, &mut scene);
         if self.has_arrows {
-            arrows::add(frame, self.force_limit_n, &mut scene);
+            marks::add_arrows(frame, self.force_limit_n, &mut scene);
         }
         scene
-    }
-
-    /// The controller's map, as on the replay page.
-    fn add_map(&self, number: u32, scene: &mut Scene) {
-        let ground_m = self.table.as_ref().map(|(_, pose)| pose.position.z + 0.5 * TABLE_M);
-        for own in self.map.iter().filter(|own| (own.first_frame..=own.last_frame).contains(&number)) {
-            let colour = match own.kind {
-                ObstacleKind::Fixed => colour::FIXED,
-                ObstacleKind::Doubtful => colour::GOAL,
-                ObstacleKind::Yielding => colour::YIELDING,
-            };
-            let surface = Surface { kind: Kind::Mark, colour: colour::linear(colour), label: 0 };
-            let foot_m = ground_m.unwrap_or(own.top_world.z - CAGE_M).min(own.top_world.z);
-            let corner = |upright: usize, height_m: f64| {
-                let (sine, cosine) = math::sin_cos(TAU * upright as f64 / UPRIGHTS as f64);
-                own.top_world.with_z(height_m) + DVec3::new(cosine, sine, 0.0) * own.radius_m
-            };
-            for upright in 0..UPRIGHTS {
-                let (top, foot) = (corner(upright, own.top_world.z), corner(upright, foot_m));
-                for end in [foot, corner(upright + 1, own.top_world.z)] {
-                    let rod = BodyShape::Capsule { radius_m: ROD_M, length_m: top.distance(end) };
-                    let turn = DQuat::from_rotation_arc(DVec3::Z, (top - end).normalize_or(DVec3::Z));
-                    scene.add(&Mesh::of(&rod), &Pose::new((top + end) / 2.0, turn), surface);
-                }
-            }
-        }
-    }
-
-    /// The taxels in the colours of the forces that they sense, and the goal.
-    fn add_marks(&self, frame: &Frame, scene: &mut Scene) {
-        let mark = |colour: Vec3| Surface { kind: Kind::Mark, colour, label: 0 };
-        let plate = mark(colour::linear(colour::PLATE));
-        let mut readings = frame.taxels.iter().filter(|reading| reading.sensed_force_n > 0.0).peekable();
-        for (number, (patch, pose)) in self.layout.patches.iter().zip(&frame.patch_pose_world).enumerate() {
-            for (index, taxel) in patch.taxels.iter().enumerate() {
-                let own = readings.next_if(|own| (usize::from(own.patch), usize::from(own.taxel)) == (number, index));
-                let share = own.map(|own| own.sensed_force_n / self.full_scale_n);
-                let surface = share.map_or(plate, |share| mark(colour::of_force(share)));
-                let (mut square, half_m) = (Mesh::default(), 0.43 * taxel.area_m2.sqrt());
-                let (right, up) = (taxel.tangent_link, taxel.normal_link.cross(taxel.tangent_link));
-                square.add_plate(taxel.position_link + taxel.normal_link * LIFT_M, right * half_m, up * half_m);
-                scene.add(&square, pose, surface);
-            }
-        }
-        let goal = Mesh::of(&BodyShape::Hull {
-            points_m: DVec3::AXES.iter().flat_map(|axis| [*axis * GOAL_M, *axis * -GOAL_M]).collect(),
-        });
-        scene.add(&goal, &Pose::from_position(frame.goal_position_world), mark(colour::linear(colour::GOAL)));
     }
 }
 

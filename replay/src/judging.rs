@@ -8,7 +8,7 @@ use underbrush_classifier::online_model::{OnlineJudge, OnlineModel};
 use underbrush_classifier::{OnlineOptions, Scores};
 use underbrush_recording::{Fault, Frame, Recording, SkinLayout};
 
-use crate::verdicts::{VerdictHeader, Verdicts};
+use crate::Verdicts;
 
 /// A model with the name that the page shows.
 #[derive(Debug)]
@@ -50,8 +50,7 @@ impl Judging {
     /// As [`Judging::check`].
     pub fn begin(&self, layout: &SkinLayout) -> Result<VerdictLog, OnlineError> {
         let online = self.by.begin(layout)?;
-        let header = VerdictHeader::of(&self.name, &self.by, layout);
-        Ok(VerdictLog { online, verdicts: Verdicts::new(header, layout) })
+        Ok(VerdictLog { online, verdicts: Verdicts::new(&self.name, &self.by, layout) })
     }
 
     /// The verdicts on all frames of a recording.

@@ -9,23 +9,18 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-mod contact_trials;
 mod container;
-mod context;
 mod http;
 mod judging;
 mod live;
 pub mod pack;
 mod page;
-mod response;
-mod running_reach;
 mod server;
 mod source;
 mod trial_spans;
 mod trial_table;
 mod verdicts;
 
-pub use context::ReplayContext;
 pub use judging::{Judging, VerdictLog, unjudged};
 pub use live::{Live, PartialReach};
 pub use page::{page_that_fits, single_file};
@@ -33,6 +28,17 @@ pub use server::Server;
 pub use source::{Held, Source, Summary};
 pub use underbrush_classifier::online_model::OnlineModel as JudgingModel;
 pub use verdicts::Verdicts;
+
+use underbrush_recording::{Audit, SkinLayout};
+
+/// Facts that the caller knows and the recordings do not hold.
+#[derive(Clone, Copy)]
+pub struct ReplayContext {
+    /// The force limit of a taxel, N, by the controller's name.
+    pub force_limit_n: fn(&str) -> Option<f64>,
+    /// The bounds of the audit that a reach with this skin exceeds, each as a sentence.
+    pub audit_warnings: fn(&Audit, &SkinLayout) -> Vec<String>,
+}
 
 #[cfg(test)]
 mod tests;

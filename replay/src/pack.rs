@@ -5,7 +5,7 @@
 //! written here.
 
 use serde::Serialize;
-use underbrush_classifier::trial::TrialOptions;
+use underbrush_classifier::trial::{TrialError, TrialOptions, taxel_trials};
 use underbrush_recording::{
     Audit, Body, Contact, Fault, Frame, GoalOutcomes, GoalRecord, Grid, MappedObstacle, NamedStop, ObjectRecord,
     Outcome, Pose, Recording, Taxel,
@@ -14,7 +14,7 @@ use underbrush_recording::{
 use crate::container::{MAX_BYTES, Sections, first_taxels, starts};
 use crate::judging::unjudged;
 use crate::verdicts::VerdictHeader;
-use crate::{Judging, ReplayContext, Verdicts, contact_trials};
+use crate::{Judging, ReplayContext, Verdicts};
 
 #[derive(Serialize)]
 struct Header<'a> {
@@ -102,7 +102,7 @@ pub fn pack_from(
     add_tracks(&recording.bodies, from, &mut sections);
     let threshold_n =
         verdicts.map_or_else(|| TrialOptions::default().threshold_n, |verdicts| verdicts.header.threshold_n);
-    contact_trials::add(recording, threshold_n, from, &mut sections)
+    add_trials(recording, threshold_n, from, &mut sections)
         .map_err(|error| Fault::Usage(format!("{}: {error}", name(recording))))?;
     if let Some(verdicts) = verdicts {
         verdicts.add(from, &mut sections);
@@ -208,9 +208,51 @@ fn add_tracks(bodies: &[Body], from: usize, sections: &mut Sections) {
     sections.add("track_start", starts(bodies.iter().map(|body| body.track.len() - first_new(body))));
     let points = || bodies.iter().flat_map(|body| &body.track[first_new(body)..]);
     sections.add("track_frame", points().map(|point| point.frame));
-    let poses = points().flat_map(|point| {
-        let ([x, y, z], [i, j, k, w]) = (point.position_world_m, point.orientation_world);
-        [x, y, z, i, j, k, w]
-    });
+    let poses = points().flat_map(|point| point.position_world_m.into_iter().chain(point.orientation_world));
     sections.add("track_pose_world", poses);
+}
+
+/// Adds the contact trials of every taxel, sorted by patch, then first frame. The sections `trial_*` have one number
+/// per trial, and the sections `sample_*` one per sample, which is one per frame of the trial. Trials that end before
+/// frame `from`, and samples before it, are left out.
+///
+/// # Errors
+/// If a frame does not fit the skin.
+fn add_trials(recording: &Recording, threshold_n: f64, from: usize, sections: &mut Sections) -> Result<(), TrialError> {
+    let (mut taxels, mut firsts, mut starts, mut objects) = (Vec::new(), Vec::new(), vec![0], Vec::new());
+    let (mut motions, mut regions, mut region_sums) = (Vec::new(), Vec::new(), Vec::new());
+    for (patch, first_taxel) in recording.layout.patches.iter().zip(first_taxels(&recording.layout)) {
+        let options = TrialOptions { patch: Some(patch.name.clone()), threshold_n, ..TrialOptions::default() };
+        for contact in taxel_trials(recording, &options)? {
+            let samples = &contact.trial.samples;
+            let Some(first) = samples.first() else { continue };
+            // Times of samples are copied from frames, whose times rise.
+            let frame = recording.frames.partition_point(|frame| frame.time_s < first.time_s);
+            let known = from.saturating_sub(frame);
+            if known >= samples.len() {
+                continue;
+            }
+            taxels.push(first_taxel + contact.trial.taxel.unwrap_or_default());
+            firsts.push(frame as u32);
+            objects.push(contact.object.map_or(-1, |object| object as i16));
+            for sample in &samples[known..] {
+                // Without joints, as in a table of trials, it is unknown how the skin moved and which taxels are
+                // neighbours.
+                let has_arm = !recording.joint_names.is_empty();
+                let region = sample.region.filter(|_| has_arm);
+                motions.push(sample.motion_m.filter(|_| has_arm).unwrap_or(f64::NAN));
+                regions.push(region.map_or(0, |region| region.taxels as u16));
+                region_sums.push(region.map_or(f64::NAN, |region| region.force_sum_n));
+            }
+            starts.push(motions.len() as u32);
+        }
+    }
+    sections.add("trial_taxel", taxels);
+    sections.add("trial_first_frame", firsts);
+    sections.add("trial_object", objects);
+    sections.add("trial_sample_start", starts);
+    sections.add_single("sample_motion_m", motions);
+    sections.add("sample_region_taxels", regions);
+    sections.add_single("sample_region_force_n", region_sums);
+    Ok(())
 }

@@ -7,11 +7,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use underbrush_recording::Fault;
 
-use crate::http::{self, Limits, Request};
+use crate::http::{self, Limits, Request, Response};
+use crate::live::{Live, Running};
 use crate::page::PAGE;
-use crate::response::Response;
-use crate::running_reach::Running;
-use crate::{Live, ReplayContext, Source};
+use crate::{ReplayContext, Source};
 
 /// Packed reaches that are kept. Choice: two that are compared, and their neighbours.
 const KEPT: usize = 4;
@@ -117,7 +116,7 @@ impl Shared {
         match &self.content {
             // The status is sent until the reach ends.
             Content::Running(running) if answer.status == 200 && path.as_deref() == Some(STATUS) => {
-                running.tell(request.into_stream());
+                running.tell(request.stream);
             }
             _ => request.respond(&answer, limits),
         }

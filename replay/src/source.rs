@@ -49,13 +49,8 @@ pub struct Summary {
 
 /// Where a reach is read from.
 enum Place {
-    Dataset {
-        input: usize,
-        index: usize,
-    },
+    Dataset { input: usize, index: usize },
     File(PathBuf),
-    /// A reach of a table of trials. It is judged by the same model as reaches from files.
-    Table(Box<Recording>),
     Memory(Box<Held>),
 }
 
@@ -63,7 +58,7 @@ enum Place {
 pub struct Held {
     /// The recording.
     pub recording: Recording,
-    /// The model whose verdicts are shown with it.
+    /// The model whose verdicts are shown with it, in place of that of the source.
     pub judging: Option<Judging>,
 }
 
@@ -138,7 +133,6 @@ impl Source {
         Ok(match self.places.get(number) {
             Some(Place::Dataset { input, index }) => Cow::Owned(self.datasets[*input].read_reach(*index)?),
             Some(Place::File(path)) => Cow::Owned(read_recording(path)?),
-            Some(Place::Table(recording)) => Cow::Borrowed(recording),
             Some(Place::Memory(held)) => Cow::Borrowed(&held.recording),
             None => return Err(no_such_reach(number, self.places.len())),
         })
@@ -156,11 +150,11 @@ impl Source {
     /// # Errors
     /// As [`Source::recording`] and [`pack`].
     pub fn pack(&self, number: usize) -> Result<Vec<u8>, Fault> {
-        let judging = match self.places.get(number) {
+        let own = match self.places.get(number) {
             Some(Place::Memory(held)) => held.judging.as_ref(),
-            _ => self.judging.as_ref(),
+            _ => None,
         };
-        pack(&*self.recording(number)?, &self.known, judging)
+        pack(&*self.recording(number)?, &self.known, own.or(self.judging.as_ref()))
     }
 
     fn add_dataset(&mut self, path: &Path) -> Result<(), Fault> {
@@ -196,7 +190,7 @@ impl Source {
             // The warning of a table is given once.
             self.check(path, &recording.layout, rate_hz.take())?;
             self.list(&recording, file_name(path));
-            self.places.push(Place::Table(Box::new(recording)));
+            self.places.push(Place::Memory(Box::new(Held { recording, judging: None })));
         }
         Ok(())
     }

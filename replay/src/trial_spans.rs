@@ -45,17 +45,12 @@ impl Spans {
     }
 }
 
-/// A trial, and the places of its first and last time among the times of its reach.
+/// A trial, its patch and taxel, and the places of its first and last time among the times of its reach.
 struct Placed<'a> {
     trial: &'a Trial,
+    taxel: (&'a str, Option<u32>),
     first: usize,
     last: usize,
-}
-
-impl<'a> Placed<'a> {
-    fn taxel(&self) -> (&'a str, Option<u32>) {
-        (patch_name(self.trial), self.trial.taxel)
-    }
 }
 
 /// An error if frames would change the trials of a reach. In a frame each taxel has one reading or none, and its trial
@@ -69,12 +64,12 @@ pub fn check(path: &Path, reach: u64, trials: &[&Trial], spans: &Spans) -> Resul
     let mut placed = Vec::new();
     for &trial in trials {
         if let (Some(first), Some(last)) = (trial.samples.first(), trial.samples.last()) {
-            let (first, last) = (place(first.time_s), place(last.time_s));
-            placed.push(Placed { trial, first, last });
+            let [first, last] = [first, last].map(|sample| place(sample.time_s));
+            placed.push(Placed { trial, taxel: (patch_name(trial), trial.taxel), first, last });
         }
     }
-    placed.sort_by_key(|placed| (placed.taxel(), placed.first));
-    for pair in placed.windows(2).filter(|pair| pair[0].taxel() == pair[1].taxel()) {
+    placed.sort_by_key(|placed| (placed.taxel, placed.first));
+    for pair in placed.windows(2).filter(|pair| pair[0].taxel == pair[1].taxel) {
         let (before, after) = (&pair[0], &pair[1]);
         let (number, other) = (after.trial.trial, before.trial.trial);
         if after.first <= before.last {
@@ -92,7 +87,7 @@ pub fn check(path: &Path, reach: u64, trials: &[&Trial], spans: &Spans) -> Resul
             return Err(InputError::new(path, "time_s", found, allowed, remedy));
         }
     }
-    for Placed { trial, first, last } in placed {
+    for Placed { trial, first, last, .. } in placed {
         let own_s = trial.samples.iter().map(|sample| sample.time_s);
         let mut pairs = times_s[first..=last].iter().zip(own_s);
         if let Some((time_s, _)) = pairs.find(|(time_s, own_s)| *time_s != own_s) {

@@ -27,27 +27,17 @@ pub struct VerdictHeader {
     categories: Vec<String>,
     /// What each score of a taxel is about: the categories; for a touch model, `nothing` comes before them.
     scores: Vec<String>,
-    /// What the scores are.
-    score_kind: ScoreKind,
+    /// What the scores are: `nats`, log-likelihoods or log-posteriors, or `probability`, which sum to 1.
+    score_kind: &'static str,
     /// The names of the verdicts.
     verdicts: Vec<String>,
     /// How a touch model decides; `None` for classifiers of trials.
     touch: Option<TouchDecision>,
 }
 
-/// What the scores of a taxel are.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[serde(rename_all = "snake_case")]
-enum ScoreKind {
-    /// Log-likelihoods or log-posteriors, nats.
-    Nats,
-    /// Probabilities, which sum to 1.
-    Probability,
-}
-
 impl VerdictHeader {
     /// What the page needs to know of the verdicts of a model of this name on this skin.
-    pub(crate) fn of(name: &str, by: &OnlineModel, layout: &SkinLayout) -> Self {
+    fn of(name: &str, by: &OnlineModel, layout: &SkinLayout) -> Self {
         let categories = by.categories();
         let around = |before: &[&str], after: &[&str]| -> Vec<String> {
             let after = after.iter().filter(|other| !categories.iter().any(|own| own == *other));
@@ -62,7 +52,7 @@ impl VerdictHeader {
                 patches: vec![layout.chosen_patch(by.patch()).unwrap_or_default()],
                 threshold_n: options.threshold_n,
                 scores: categories.clone(),
-                score_kind: ScoreKind::Nats,
+                score_kind: "nats",
                 verdicts: around(&[], &["uncertain", "outlier"]),
                 categories,
                 touch: None,
@@ -74,7 +64,7 @@ impl VerdictHeader {
                 patches: model.options().judged_patches(layout),
                 threshold_n: model.options().threshold_n,
                 scores: around(&["nothing"], &[]),
-                score_kind: ScoreKind::Probability,
+                score_kind: "probability",
                 verdicts: around(&["nothing"], &["uncertain", "unknown"]),
                 categories,
                 touch: Some(model.decision),
@@ -127,8 +117,9 @@ struct JudgedRegion {
 }
 
 impl Verdicts {
-    /// Verdicts without frames so far, on this skin.
-    pub(crate) fn new(header: VerdictHeader, layout: &SkinLayout) -> Self {
+    /// The verdicts of a model of this name on this skin, without frames so far.
+    pub(crate) fn new(name: &str, by: &OnlineModel, layout: &SkinLayout) -> Self {
+        let header = VerdictHeader::of(name, by, layout);
         Verdicts { header, first_taxels: first_taxels(layout), frames: Vec::new() }
     }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 use underbrush_classifier::frequencies;
-use underbrush_exchange::import::{Mapping, import, import_recordings};
+use underbrush_exchange::import::{Mapping, import};
 use underbrush_recording::Recording;
 use underbrush_recording::disk::{UnfinishedFolder, check_free, write_recording, write_trials};
 
@@ -40,8 +40,7 @@ pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
         require_recordings(&options.out)?;
         output::create_parents(&options.out)?;
     }
-    let import = if is_table { import } else { import_recordings };
-    let imported = import(&options.file, &mapping)?;
+    let imported = import(&options.file, &mapping, !is_table)?;
     for warning in &imported.warnings {
         output::remark(format!("warning: {warning}"));
     }

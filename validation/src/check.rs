@@ -96,18 +96,13 @@ impl Judged {
 /// The comparisons of a case, or the error that ended it.
 pub type Found = Result<Vec<Comparison>, Fault>;
 
-/// Runs a case. A panic inside the physics engine becomes an error of this case, and the other cases still run.
-pub(crate) fn run_case(case: &Case, simulated: Simulated) -> Found {
-    catch_unwind(AssertUnwindSafe(|| (case.compare)(simulated)))
-        .unwrap_or_else(|_| Err(Fault::Run("broke off inside the physics engine".into())))
-}
-
-/// What each of these jobs finds, in their order, on all cores; `done` is called after each.
-pub(crate) fn run_all<J: Sync>(jobs: &[J], find: impl Fn(&J) -> Found + Sync, done: impl Fn() + Sync) -> Vec<Found> {
-    let one = |job| {
-        let found = find(job);
+/// What each of these cases finds, in their order, on all cores; `done` is called after each. A panic inside the physics
+/// engine becomes an error of its case, and the other cases still run.
+pub(crate) fn run_all(jobs: &[(&Case, Simulated)], done: impl Fn() + Sync) -> Vec<Found> {
+    let one = |(case, simulated): &(&Case, Simulated)| {
+        let found = catch_unwind(AssertUnwindSafe(|| (case.compare)(*simulated)));
         done();
-        found
+        found.unwrap_or_else(|_| Err(Fault::Run("broke off inside the physics engine".into())))
     };
     jobs.par_iter().with_max_len(1).map(one).collect()
 }
@@ -115,16 +110,16 @@ pub(crate) fn run_all<J: Sync>(jobs: &[J], find: impl Fn(&J) -> Found + Sync, do
 /// Runs checks on the threads of the current rayon pool and judges them. The outcomes are in the order of `checks`.
 /// `done` is called after each case.
 pub fn run(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> Vec<Outcome> {
-    let jobs: Vec<&Case> = checks.iter().flat_map(|check| check.cases).collect();
-    let found = run_all(&jobs, |case| run_case(case, Simulated::AsDescribed), done);
-    let mut found = found.into_iter();
+    let cases = checks.iter().flat_map(|check| check.cases);
+    let jobs: Vec<(&Case, Simulated)> = cases.map(|case| (case, Simulated::AsDescribed)).collect();
+    let mut found = run_all(&jobs, done).into_iter();
     let judged = |check: &&Check| judge(check, found.by_ref().take(check.cases.len()).collect(), tolerance_scale);
     checks.iter().map(judged).collect()
 }
 
 /// Judges what the cases of a check found. A check without any comparison fails, and so does one with a case that ended
 /// with an error.
-pub fn judge(check: &Check, found: Vec<Found>, tolerance_scale: f64) -> Outcome {
+fn judge(check: &Check, found: Vec<Found>, tolerance_scale: f64) -> Outcome {
     let mut errors = Vec::new();
     let mut comparisons = Vec::new();
     let judged = |comparison: Comparison| Judged::new(comparison, tolerance_scale);

@@ -1,4 +1,4 @@
-//! One simulated quantity beside its closed form.
+//! One simulated quantity beside its closed form, and parameters that are wrong on purpose, which it must notice.
 
 use serde::Serialize;
 
@@ -23,50 +23,76 @@ pub struct Comparison {
     pub reason: &'static str,
 }
 
-/// A simulated quantity and its closed form, before it is said how far apart they may be.
-pub struct Pair {
-    quantity: String,
-    unit: &'static str,
-    expected: f64,
-    found: f64,
-}
+impl Comparison {
+    /// A quantity of the simulation beside its closed form. It does not pass before it is said how far apart they may be.
+    pub fn of(quantity: impl Into<String>, unit: &'static str, expected: f64, found: f64) -> Self {
+        let (residual, quantity) = (f64::NAN, quantity.into());
+        Comparison { quantity, unit, expected, found, residual, relative: false, tolerance: 0.0, reason: "" }
+    }
 
-impl Pair {
     /// Compares |found / expected − 1| with the tolerance.
-    pub fn relative(self, tolerance: f64, reason: &'static str) -> Comparison {
+    #[must_use]
+    pub fn relative(self, tolerance: f64, reason: &'static str) -> Self {
         let residual = (self.found / self.expected - 1.0).abs();
-        Comparison { relative: true, ..self.within(residual, tolerance, reason) }
+        Comparison { residual, relative: true, tolerance, reason, ..self }
     }
 
     /// Compares |found − expected| with the tolerance.
-    pub fn absolute(self, tolerance: f64, reason: &'static str) -> Comparison {
+    #[must_use]
+    pub fn absolute(self, tolerance: f64, reason: &'static str) -> Self {
         let residual = (self.found - self.expected).abs();
-        self.within(residual, tolerance, reason)
+        Comparison { residual, tolerance, reason, ..self }
     }
 
     /// Requires `found` ≤ `expected`. The residual is the excess.
-    pub fn at_most(self, tolerance: f64, reason: &'static str) -> Comparison {
+    #[must_use]
+    pub fn at_most(self, tolerance: f64, reason: &'static str) -> Self {
         // Not `max(0.0)`, which would turn NaN into a pass.
         let residual = if self.found <= self.expected { 0.0 } else { self.found - self.expected };
-        self.within(residual, tolerance, reason)
-    }
-
-    fn within(self, residual: f64, tolerance: f64, reason: &'static str) -> Comparison {
-        let Pair { quantity, unit, expected, found } = self;
-        Comparison { quantity, unit, expected, found, residual, relative: false, tolerance, reason }
-    }
-}
-
-impl Comparison {
-    /// A quantity of the simulation beside its closed form.
-    pub fn of(quantity: impl Into<String>, unit: &'static str, expected: f64, found: f64) -> Pair {
-        Pair { quantity: quantity.into(), unit, expected, found }
+        Comparison { residual, tolerance, reason, ..self }
     }
 
     /// Whether the residual is strictly below the scaled tolerance, so that a scale of 0 fails everything. NaN never
     /// passes.
     pub fn passes(&self, tolerance_scale: f64) -> bool {
         self.residual < self.tolerance * tolerance_scale
+    }
+}
+
+/// A parameter of the simulated side that is wrong on purpose, as a mistake in a scene file, in an arm file or in the
+/// program could make it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Falsification {
+    /// What is wrong.
+    pub wrong: &'static str,
+    /// By how much.
+    pub by: &'static str,
+    /// Texts of which each comparison that must fail has one in the name of its quantity; none if all of its case must.
+    #[serde(skip)]
+    pub breaks: &'static [&'static str],
+}
+
+impl Falsification {
+    /// A parameter that every comparison of its case must notice.
+    pub const fn new(wrong: &'static str, by: &'static str) -> Self {
+        Falsification { wrong, by, breaks: &[] }
+    }
+
+    /// The same, noticed only by comparisons with one of these texts in the name of their quantity.
+    #[must_use]
+    pub const fn breaking(self, breaks: &'static [&'static str]) -> Self {
+        Falsification { breaks, ..self }
+    }
+
+    /// Whether a comparison of this quantity must fail.
+    pub fn must_break(&self, quantity: &str) -> bool {
+        self.breaks.is_empty() || self.breaks.iter().any(|part| quantity.contains(part))
+    }
+
+    /// Parts of names that occur in none of the comparisons' quantities.
+    pub(crate) fn unknown_names(&self, comparisons: &[Comparison]) -> impl Iterator<Item = &'static str> {
+        let missing = |part: &&str| !comparisons.iter().any(|comparison| comparison.quantity.contains(part));
+        self.breaks.iter().copied().filter(missing)
     }
 }
 

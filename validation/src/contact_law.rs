@@ -6,11 +6,10 @@ use glam::{DQuat, DVec3};
 use underbrush_oracles::foundation;
 use underbrush_recording::{BodyPart, BodyShape, Pose};
 use underbrush_sim::object::structure::part;
-use underbrush_sim::object::trunk::Trunk;
 use underbrush_sim::simulation::test_rig::{BodyId, FreeBody, Rig};
 use underbrush_sim::{Arm, PhysicsOptions, Surface};
 
-use crate::pressed_arm::{self, Beside, FOREARM_RADIUS_M, GRAVITY_M_PER_S2, PressedArm};
+use crate::pressed_arm::{Beside, FOREARM_RADIUS_M, GRAVITY_M_PER_S2, OPTIONS, PressedArm};
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 mod thrown;
@@ -34,8 +33,6 @@ const THICK_LAYER: Falsification = Falsification::new("thickness of the simulate
 const STIFF_SKIN: Falsification = Falsification::new("stiffness of the simulated skin", "30 % too high");
 
 const STIFFNESS_N_PER_M3: f64 = 3e7;
-/// For bodies that come to rest.
-const RESTING: PhysicsOptions = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: GRAVITY_M_PER_S2 };
 
 fn soft(stiffness_n_per_m3: f64, loss_time_s: f64) -> Surface {
     Surface { compliance_m3_per_n: 1.0 / stiffness_n_per_m3, thickness_m: None, loss_time_s, friction: 0.4 }
@@ -134,7 +131,7 @@ fn resting(simulated: Simulated) -> Found {
     for body in bodies() {
         for mass_kg in [0.005, 1.0] {
             let body_above = above(&body.upper, mass_kg, soft(stiffness, 0.05), body.height_m);
-            let (mut rig, upper) = on(RESTING, &body.lower, &body_above)?;
+            let (mut rig, upper) = on(OPTIONS, &body.lower, &body_above)?;
             rig.step_times(1000);
             let depth_m = body.height_m - rig.pose_world(upper).position.z;
             let quantity = format!("{}, k times the overlap's volume at rest, {} g", body.name, mass_kg * 1e3);
@@ -163,7 +160,7 @@ fn pressed_flat(simulated: Simulated) -> Found {
     let compare = |mass_kg: f64| -> Result<Comparison, Fault> {
         let thickness_m = Some(THICKNESS_M * simulated.with(THICK_LAYER, 1.0, 1.2));
         let surface = Surface { thickness_m, ..soft(STIFFNESS_N_PER_M3, 0.05) };
-        let (mut rig, upper) = on(RESTING, &table, &above(&punch, mass_kg, surface, 0.04))?;
+        let (mut rig, upper) = on(OPTIONS, &table, &above(&punch, mass_kg, surface, 0.04))?;
         rig.step_times(1000);
         let expected = layer.depth_m(mass_kg * GRAVITY_M_PER_S2 / (PUNCH_M * PUNCH_M));
         let found = 0.04 - rig.pose_world(upper).position.z;
@@ -176,13 +173,10 @@ fn pressed_flat(simulated: Simulated) -> Found {
 /// A trunk pressed into the skin near the wrist, in the middle and near the elbow.
 fn along_the_forearm(simulated: Simulated) -> Found {
     const RADIUS_M: f64 = 0.015;
-    let arm = Arm::cody()?;
     let compare = |(name, along_m): (&str, f64)| -> Result<Comparison, Fault> {
-        let mut soft = arm.clone();
-        soft.skin.stiffness_n_per_m3 *= simulated.with(STIFF_SKIN, 1.0, 1.3);
-        let trunk = Trunk { diameter_m: 2.0 * RADIUS_M, height_m: 0.6 };
-        let beside = Beside { along_m, ..Beside::facing(Box::new(trunk), 0.017, 0.3) };
-        let mut pressed = PressedArm::new(arm.clone(), soft, beside, pressed_arm::OPTIONS)?;
+        let stiff = |arm: &mut Arm| arm.skin.stiffness_n_per_m3 *= simulated.with(STIFF_SKIN, 1.0, 1.3);
+        let beside = Beside { along_m, ..Beside::trunk() };
+        let mut pressed = PressedArm::new(beside, OPTIONS, stiff)?;
         let equilibrium = pressed.pressing_rad(9.0);
         pressed.hold(&equilibrium, 5.0);
         let forearm = pressed.report().link_pose_world[pressed.forearm];
@@ -193,9 +187,9 @@ fn along_the_forearm(simulated: Simulated) -> Found {
         let distance_m = (foot - forearm.position).dot(normal.normalize()).abs();
         let depth_m = FOREARM_RADIUS_M + RADIUS_M - distance_m;
         let layer = foundation::Layer {
-            stiffness_n_per_m3: arm.skin.stiffness_n_per_m3,
+            stiffness_n_per_m3: pressed.arm.skin.stiffness_n_per_m3,
             ground_n_per_m3: GROUND_N_PER_M3,
-            thickness_m: arm.skin.thickness_m.unwrap_or(f64::INFINITY),
+            thickness_m: pressed.arm.skin.thickness_m.unwrap_or(f64::INFINITY),
         };
         let law = layer.force_n([FOREARM_RADIUS_M, RADIUS_M], depth_m);
         let contacts = pressed.report().contacts.iter().filter(|contact| contact.link == pressed.forearm);

@@ -1,12 +1,13 @@
 //! Check 13: errors fall with the step and with the number of hinges at the orders of the methods.
 
 use glam::DVec3;
-use underbrush_oracles::{beam, order};
+use underbrush_oracles::beam;
+use underbrush_oracles::numeric::log_log_slope;
 
 use crate::joint_step::{self, STIFF_JOINT};
 use crate::leaf_case::{ClampedLeaf, LENGTH_M, RIGIDITY_N_M2, STIFF_BLADE, blade};
 use crate::leaf_vibration::{LOSS_FACTOR, LOSSY_BLADE, oscillator, pluck};
-use crate::{Case, Check, Comparison, Found, Simulated};
+use crate::{Case, Check, Comparison, Fault, Found, Simulated};
 
 /// Check 13. Its falsifications add errors that do not fall with the step or the number of hinges.
 pub const CHECK: Check = Check {
@@ -20,30 +21,26 @@ pub const CHECK: Check = Check {
 };
 
 /// Compares the order of errors, each with its spacing, with the expected one.
-fn order_of(quantity: &str, expected: f64, errors: &[(f64, f64)]) -> Found {
+fn order_of(quantity: &str, expected: f64, errors: impl IntoIterator<Item = Result<(f64, f64), Fault>>) -> Found {
+    let errors = errors.into_iter().collect::<Result<Vec<_>, _>>()?;
     let reason = "0.2: fit of a straight line on a log-log scale; terms of the next order bend it";
-    Ok(vec![Comparison::of(quantity, "", expected, order::log_log_slope(errors)).absolute(0.2, reason)])
+    Ok(vec![Comparison::of(quantity, "", expected, log_log_slope(&errors)).absolute(0.2, reason)])
 }
 
 const STEPS_S: [f64; 3] = [4e-4, 2e-4, 1e-4];
 
 fn leaf_in_step(simulated: Simulated) -> Found {
     let exact = oscillator(LOSS_FACTOR / 2.0);
-    let mut errors = Vec::new();
-    for step_s in STEPS_S {
+    let error = |step_s| {
         let (_, decrement) = pluck(LOSS_FACTOR * simulated.with(LOSSY_BLADE, 1.0, 1.2), step_s)?;
-        errors.push((step_s, (decrement - exact.log_decrement()).abs()));
-    }
-    order_of("order in the step, log decrement of a leaf", 1.0, &errors)
+        Ok((step_s, (decrement - exact.log_decrement()).abs()))
+    };
+    order_of("order in the step, log decrement of a leaf", 1.0, STEPS_S.map(error))
 }
 
 fn joint_in_step(simulated: Simulated) -> Found {
-    let mut errors = Vec::new();
-    for step_s in STEPS_S.map(|step_s| step_s / 4.0) {
-        let response = joint_step::respond(simulated, step_s)?;
-        errors.push((step_s, response.largest_miss()));
-    }
-    order_of("order in the step, step response of a joint", 2.0, &errors)
+    let error = |step_s| Ok((step_s, joint_step::respond(simulated, step_s)?.largest_miss));
+    order_of("order in the step, step response of a joint", 2.0, STEPS_S.map(|step_s| step_s / 4.0).map(error))
 }
 
 /// Gauss-Legendre quadrature is exact for a load at the tip. For a load below the tip, the deflection's integrand is (a
@@ -54,8 +51,7 @@ fn leaf_in_hinges(simulated: Simulated) -> Found {
     let load_n = 0.002;
     let places = (0..PLACES).map(|index| LENGTH_M * (0.5 + 0.4 * (f64::from(index) + 0.5) / f64::from(PLACES)));
     let places: Vec<f64> = places.collect();
-    let mut errors = Vec::new();
-    for segments in [4, 8, 16, 32] {
+    let error = |segments: u32| {
         let mut squares = 0.0;
         for height_m in &places {
             let mut leaf = ClampedLeaf::new(&blade(segments, rigidity, 1.0), 0.01);
@@ -63,9 +59,10 @@ fn leaf_in_hinges(simulated: Simulated) -> Found {
             let exact = beam::beam_deflection_m(load_n, *height_m, RIGIDITY_N_M2);
             squares += (found / exact - 1.0).powi(2);
         }
-        errors.push((1.0 / f64::from(segments), (squares / f64::from(PLACES)).sqrt()));
-    }
-    order_of("order in the hinges, deflection by a load between 0.5 and 0.9 of the height", 3.0, &errors)
+        Ok((1.0 / f64::from(segments), (squares / f64::from(PLACES)).sqrt()))
+    };
+    let quantity = "order in the hinges, deflection by a load between 0.5 and 0.9 of the height";
+    order_of(quantity, 3.0, [4, 8, 16, 32].map(error))
 }
 
 /// Positions of the load over which the error is averaged.

@@ -3,7 +3,7 @@
 use rayon::ThreadPoolBuilder;
 use underbrush_recording::Recording;
 use underbrush_sim::campaign::{self, Job};
-use underbrush_sim::{Arm, ReachPlan, Scene, Simulation};
+use underbrush_sim::{ReachPlan, Scene, Simulation};
 
 use crate::pressed_arm::{Beside, LEAF, OPTIONS, PressedArm};
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
@@ -40,7 +40,11 @@ count = 8
 "#;
 const REACHES: u64 = 3;
 
-fn same(quantity: &str, differing: usize) -> Comparison {
+/// Compares two runs by the number of bytes that differ, including those by which one is longer. Empty input counts as one
+/// difference.
+fn same(quantity: &str, one: &[u8], other: &[u8]) -> Comparison {
+    let unequal = one.iter().zip(other).filter(|(a, b)| a != b).count();
+    let differing = unequal + one.len().abs_diff(other.len()) + usize::from(one.is_empty());
     Comparison::of(quantity, "bytes", 0.0, differing as f64).absolute(1.0, "1 byte: every bit must be equal")
 }
 
@@ -50,22 +54,9 @@ fn repeated(simulated: Simulated) -> Found {
     let again = reaches(seed, 1)?;
     let threads = reaches(seed, 3)?;
     Ok(vec![
-        same("bytes that differ between two runs of three reaches", differing(&first, &again)),
-        same("bytes that differ between three reaches on one thread and on three", differing(&first, &threads)),
+        same("bytes that differ between two runs of three reaches", &first, &again),
+        same("bytes that differ between three reaches on one thread and on three", &first, &threads),
     ])
-}
-
-fn copied(simulated: Simulated) -> Found {
-    let [original, copy] = copy(simulated.with(OTHER_PUSH, 0.0, 1e-6))?;
-    Ok(vec![same("bytes that differ between a simulation and its copy within a second", differing(&original, &copy))])
-}
-
-fn restored(simulated: Simulated) -> Found {
-    let [original, loaded] = restore(simulated.is(LOST_VELOCITIES))?;
-    Ok(vec![same(
-        "bytes that differ between a simulation and one loaded from its saved state, to the end of a reach",
-        differing(&original, &loaded),
-    )])
 }
 
 /// The bytes of all reaches of a campaign, in their order, simulated in a thread pool with this many threads.
@@ -82,31 +73,33 @@ fn bytes(recording: &Recording) -> Vec<u8> {
     format!("{:?} {:?} {:?}", recording.objects, recording.goals, recording.frames).into_bytes()
 }
 
-/// The reports of a simulation and of its copy, as bytes. The copy is made in the middle of a push on a leaf, and both
-/// run for another second. The equilibrium angles of the copy are larger by `more_rad`.
-fn copy(more_rad: f64) -> Result<[Vec<u8>; 2], Fault> {
-    let arm = Arm::cody()?;
-    let mut pressed = PressedArm::new(arm.clone(), arm, Beside::facing(Box::new(LEAF), 0.002, 0.3), OPTIONS)?;
+/// The copy is made in the middle of a push on a leaf, and both simulations run for another second.
+fn copied(simulated: Simulated) -> Found {
+    let mut pressed = PressedArm::new(Beside::facing(Box::new(LEAF), 0.002, 0.3), OPTIONS, |_| {})?;
     let equilibrium = pressed.moving_rad(0.03);
     pressed.hold(&equilibrium, 0.2);
     let mut copied = pressed.simulation.clone();
+    let more_rad = simulated.with(OTHER_PUSH, 0.0, 1e-6);
     let pushed: Vec<f64> = equilibrium.iter().map(|angle| angle + more_rad).collect();
     let steps = std::iter::repeat_n([&equilibrium, &pushed], 100);
-    Ok(reports([&mut pressed.simulation, &mut copied], steps))
+    let quantity = "bytes that differ between a simulation and its copy within a second";
+    Ok(vec![same_reports(quantity, [&mut pressed.simulation, &mut copied], steps)])
 }
 
-/// The reports of two simulations, each with its own equilibrium angles in each frame, as bytes.
-fn reports<'a>(simulations: [&mut Simulation; 2], steps: impl Iterator<Item = [&'a Vec<f64>; 2]>) -> [Vec<u8>; 2] {
-    let [one, other] = simulations;
+/// Compares the reports of two simulations, each with its own equilibrium angles in each frame.
+fn same_reports<'a>(
+    quantity: &str,
+    [one, other]: [&mut Simulation; 2],
+    steps: impl Iterator<Item = [&'a Vec<f64>; 2]>,
+) -> Comparison {
     let reported =
         steps.map(|[angles, others]| (format!("{:?}", one.step(angles)), format!("{:?}", other.step(others))));
     let (one, other): (String, String) = reported.unzip();
-    [one.into_bytes(), other.into_bytes()]
+    same(quantity, one.as_bytes(), other.as_bytes())
 }
 
-/// The reports of a simulation and of one that was loaded from its saved state, as bytes, from the middle of a reach to
-/// its end. With `lost`, the loaded one has lost its joint velocities.
-fn restore(lost: bool) -> Result<[Vec<u8>; 2], Fault> {
+/// The simulation is saved in the middle of a reach, and both go on to its end.
+fn restored(simulated: Simulated) -> Found {
     let plan = ReachPlan::new(Scene::parse("determinism.toml", SCENE.into())?, None, 0)?;
     let frames = plan.run(0, &mut |_| {})?.frames;
     let (before, after) = frames.split_at(frames.len() / 2);
@@ -116,16 +109,10 @@ fn restore(lost: bool) -> Result<[Vec<u8>; 2], Fault> {
     }
     let mut loaded = plan.simulation(0)?;
     loaded.load(&original.save()?)?;
-    if lost {
+    if simulated.is(LOST_VELOCITIES) {
         loaded.set_joint_velocity(&vec![0.0; plan.arm.joints.len()]);
     }
     let steps = after.iter().map(|frame| [&frame.equilibrium_angle_rad; 2]);
-    Ok(reports([&mut original, &mut loaded], steps))
-}
-
-/// The number of bytes that differ, including the bytes by which one side is longer. Empty input counts as one
-/// difference.
-fn differing(left: &[u8], right: &[u8]) -> usize {
-    let unequal = left.iter().zip(right).filter(|(a, b)| a != b).count();
-    unequal + left.len().abs_diff(right.len()) + usize::from(left.is_empty())
+    let quantity = "bytes that differ between a simulation and one loaded from its saved state, to the end of a reach";
+    Ok(vec![same_reports(quantity, [&mut original, &mut loaded], steps)])
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::check::{run_all, run_case};
+use crate::check::run_all;
 use crate::{Case, Check, Falsification, Found, Judged, Simulated, Verdict};
 
 /// The results of the falsifications of one check.
@@ -51,10 +51,10 @@ pub struct FalsifiedRun {
 /// Runs every case of the checks under each of its falsifications on the threads of the current rayon pool. The
 /// outcomes are in the order of `checks`. `done` is called after each case and falsification.
 pub fn falsify(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> Vec<FalsifiedOutcome> {
-    let falsified = |case: &'static Case| case.falsifications.iter().map(move |wrong| (case, *wrong));
-    let jobs: Vec<(&Case, Falsification)> = checks.iter().flat_map(|check| check.cases).flat_map(falsified).collect();
-    let found = run_all(&jobs, |(case, wrong)| run_case(case, Simulated::Falsified(*wrong)), done);
-    let mut found = found.into_iter();
+    let falsified =
+        |case: &'static Case| case.falsifications.iter().map(move |wrong| (case, Simulated::Falsified(*wrong)));
+    let jobs: Vec<(&Case, Simulated)> = checks.iter().flat_map(|check| check.cases).flat_map(falsified).collect();
+    let mut found = run_all(&jobs, done).into_iter();
     let judged = |check: &&Check| {
         let cases = check.cases.iter();
         let own = cases.map(|case| found.by_ref().take(case.falsifications.len()).collect());
@@ -65,7 +65,7 @@ pub fn falsify(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) 
 
 /// Judges what the cases of a check found. `found` has the results of each case under its falsifications, in their
 /// order.
-pub fn judge_falsified(check: &Check, found: Vec<Vec<Found>>, tolerance_scale: f64) -> FalsifiedOutcome {
+fn judge_falsified(check: &Check, found: Vec<Vec<Found>>, tolerance_scale: f64) -> FalsifiedOutcome {
     let mut falsifications = Vec::new();
     let mut comparisons = Vec::new();
     let mut faults = Vec::new();

@@ -2,11 +2,13 @@
 
 use glam::DVec3;
 use underbrush_oracles::foam::{self, StandardLinearSolid};
+use underbrush_sim::object::Object;
 use underbrush_sim::object::foam_block::FoamBlock;
 use underbrush_sim::object::foam_roll::FoamRoll;
 use underbrush_sim::object::structure::Axis;
+use underbrush_sim::physics::PhysicsOptions;
+use underbrush_sim::simulation::test_rig::{BodyId, Rig};
 
-use crate::driven::{Driven, Point};
 use crate::pressed_arm::{GRAVITY_M_PER_S2, ROLL};
 use crate::{Case, Check, Comparison, Falsification, Found, Simulated};
 
@@ -56,21 +58,17 @@ fn pressed_block(simulated: Simulated) -> Found {
     ])
 }
 
-/// The simulated roll: [`ROLL`], with one parameter wrong if it is falsified.
-fn roll(simulated: Simulated) -> FoamRoll {
-    FoamRoll {
+/// One slice of the simulated roll, which can be driven sideways: of [`ROLL`], with one parameter wrong if it is falsified.
+fn slice(simulated: Simulated) -> Driven {
+    let roll = FoamRoll {
         modulus_pa: ROLL.modulus_pa * simulated.with(STIFF_FOAM, 1.0, 1.05),
         relaxation_time_s: ROLL.relaxation_time_s * simulated.with(SLOW_FOAM, 1.0, 1.1),
         relaxing_share: ROLL.relaxing_share
             * simulated.with(RELAXING_FOAM, 1.0, 1.2)
             * simulated.with(DRIVING_FOAM, 1.0, -1.0),
         ..ROLL
-    }
-}
-
-/// One slice of the simulated roll, which can be driven sideways.
-fn slice(simulated: Simulated) -> Driven {
-    Driven::new(&roll(simulated), 0.0, 3 + SLICE, Axis::along(DVec3::X))
+    };
+    Driven::new(&roll, 0.0, 3 + SLICE, Axis::along(DVec3::X))
 }
 
 /// The closed form of a slice: a bar as long and as wide as the diameter.
@@ -114,7 +112,13 @@ fn cycled_slice(simulated: Simulated) -> Found {
 }
 
 fn wandering_slice(simulated: Simulated) -> Found {
-    let min = min_work(&slice(simulated).drive(wander, 20.0)) / (solid().stiffness * DEPTH_M * DEPTH_M);
+    let way = slice(simulated).drive(wander, 20.0);
+    let mut sum = 0.0;
+    let done_so_far = works(&way).map(|work| {
+        sum += work;
+        sum
+    });
+    let min = done_so_far.fold(f64::INFINITY, f64::min) / (solid().stiffness * DEPTH_M * DEPTH_M);
     Ok(vec![
         Comparison::of("roll's slice, largest net work returned along an irregular path, over k x²", "", 0.0, -min)
             .at_most(1e-6, "1e-6: a passive material returns no net work; the drive itself deflects slightly"),
@@ -149,12 +153,54 @@ fn works(way: &[Point]) -> impl Iterator<Item = f64> {
     way.windows(2).map(|pair| 0.5 * (pair[0].force + pair[1].force) * (pair[1].place - pair[0].place))
 }
 
-/// The minimum over time of the work done so far.
-fn min_work(way: &[Point]) -> f64 {
-    let mut sum = 0.0;
-    let sums = works(way).map(|work| {
-        sum += work;
-        sum
-    });
-    sums.fold(f64::INFINITY, f64::min)
+/// One step of a driven path.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    /// Displacement of the coordinate, m.
+    place: f64,
+    /// Force of the drive on it, N.
+    force: f64,
+}
+
+/// An object with one coordinate that is observed or driven.
+struct Driven {
+    rig: Rig,
+    body: BodyId,
+    axis: Axis,
+}
+
+impl Driven {
+    /// Length of a step, s.
+    const STEP_S: f64 = 1e-3;
+    /// Stiffness of the drive relative to the coordinate's own. The exact value does not matter, because the force is
+    /// computed from the drive itself: its stiffness times its lag.
+    const DRIVE: f64 = 1e3;
+
+    /// The object at rest, with the coordinate along `axis` of the joint that carries body number `body`.
+    fn new(object: &dyn Object, gravity_m_per_s2: f64, body: usize, axis: Axis) -> Self {
+        let mut rig = Rig::new(PhysicsOptions { step_s: Self::STEP_S, gravity_m_per_s2 });
+        let body = rig.add_object(object)[body];
+        Driven { rig, body, axis }
+    }
+
+    fn place(&self) -> f64 {
+        self.rig.coordinate(self.body, self.axis).unwrap_or(f64::NAN)
+    }
+
+    /// Displacement of the coordinate after some time without a drive.
+    fn let_go(&mut self, seconds: f64) -> f64 {
+        self.rig.step_times((seconds / Self::STEP_S).round() as u32);
+        self.place()
+    }
+
+    /// Drives the coordinate along `path` (from time, s, to displacement), step by step.
+    fn drive(&mut self, path: impl Fn(f64) -> f64, seconds: f64) -> Vec<Point> {
+        (1..=(seconds / Self::STEP_S).round() as usize)
+            .map(|index| {
+                let goal = path(index as f64 * Self::STEP_S);
+                let force = self.rig.step_driven(self.body, self.axis, Self::DRIVE, goal);
+                Point { place: self.place(), force: force.unwrap_or(f64::NAN) }
+            })
+            .collect()
+    }
 }

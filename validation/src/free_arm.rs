@@ -1,7 +1,7 @@
 //! Check 8: the arm without springs, dampers, gravity and contacts keeps its energy.
 
 use nalgebra::DVector;
-use underbrush_oracles::order;
+use underbrush_oracles::numeric::log_log_slope;
 use underbrush_recording::{FRAME_PERIOD_S, Pose};
 use underbrush_sim::simulation::JointState;
 use underbrush_sim::{Arm, Clutter, PhysicsOptions};
@@ -50,7 +50,7 @@ fn free(simulated: Simulated) -> Found {
     Ok(vec![
         Comparison::of("energy of the free arm after 5 s, step 1 ms", "J", start, end)
             .relative(1e-3, "0.1 %: the integrator is first order; joints rotate by half a milliradian in a step"),
-        Comparison::of(rise, "", 2.0, order::log_log_slope(&rises)).absolute(0.2, reason),
+        Comparison::of(rise, "", 2.0, log_log_slope(&rises)).absolute(0.2, reason),
     ])
 }
 

@@ -35,40 +35,26 @@ const SHORT_STATES: Falsification =
 const SEQUENCES: usize = 200;
 const SAMPLES: usize = 100;
 
-fn univariate(initial: &[f64], transition: &[&[f64]], mean: &[f64], variance: &[f64]) -> HmmParameters {
+/// A model of these states: the probability that a sequence begins there, those of the next state, mean and variance.
+fn univariate<const STATES: usize>(states: [(f64, [f64; STATES], f64, f64); STATES]) -> HmmParameters {
     HmmParameters {
-        initial: initial.to_vec(),
-        transition: transition.iter().map(|row| row.to_vec()).collect(),
-        mean: mean.iter().map(|mean| vec![*mean]).collect(),
-        covariance: variance.iter().map(|variance| vec![vec![*variance]]).collect(),
+        initial: states.iter().map(|state| state.0).collect(),
+        transition: states.iter().map(|state| state.1.to_vec()).collect(),
+        mean: states.iter().map(|state| vec![state.2]).collect(),
+        covariance: states.iter().map(|state| vec![vec![state.3]]).collect(),
     }
 }
 
 fn forward(simulated: Simulated) -> Found {
     let off = simulated.with(OTHER_TRANSITION, 0.0, 0.01);
-    let models = [
-        (
-            "left-right",
-            univariate(
-                &[1.0, 0.0, 0.0],
-                &[&[0.7, 0.3, 0.0], &[0.0, 0.6, 0.4], &[0.0, 0.0, 1.0]],
-                &[0.1, 1.0, 2.5],
-                &[0.05, 0.3, 0.8],
-            ),
-        ),
-        (
-            "ergodic",
-            univariate(
-                &[0.5, 0.3, 0.2],
-                &[&[0.8, 0.1, 0.1], &[0.2, 0.5, 0.3], &[0.3, 0.3, 0.4]],
-                &[-0.5, 0.7, 3.0],
-                &[0.4, 0.2, 1.5],
-            ),
-        ),
-    ];
+    let left_right =
+        [(1.0, [0.7, 0.3, 0.0], 0.1, 0.05), (0.0, [0.0, 0.6, 0.4], 1.0, 0.3), (0.0, [0.0, 0.0, 1.0], 2.5, 0.8)];
+    let ergodic =
+        [(0.5, [0.8, 0.1, 0.1], -0.5, 0.4), (0.3, [0.2, 0.5, 0.3], 0.7, 0.2), (0.2, [0.3, 0.3, 0.4], 3.0, 1.5)];
     let samples = [0.2, 0.0, 0.7, 1.4, 2.2, 2.0, 2.9];
     let observations = Observations::new(1, samples.to_vec())?;
-    let compare = |(name, parameters): (&str, HmmParameters)| -> Result<Comparison, Fault> {
+    let compare = |(name, states): (&str, _)| -> Result<Comparison, Fault> {
+        let parameters = univariate(states);
         let density = |sample: &f64| -> Vec<f64> {
             (0..3)
                 .map(|state| log_normal_density(*sample, parameters.mean[state][0], parameters.covariance[state][0][0]))
@@ -84,23 +70,42 @@ fn forward(simulated: Simulated) -> Found {
         Ok(Comparison::of(format!("forward score, {name}, 3 states, 7 samples"), "nat", expected, found)
             .relative(1e-12, "1e-12: rounding of some hundred sums and products"))
     };
-    models.into_iter().map(compare).collect()
+    [("left-right", left_right), ("ergodic", ergodic)].into_iter().map(compare).collect()
 }
 
 /// The model that sequences are drawn from.
 fn truth() -> HmmParameters {
-    univariate(&[0.7, 0.3], &[&[0.9, 0.1], &[0.25, 0.75]], &[1.0, 4.0], &[0.25, 0.64])
+    univariate([(0.7, [0.9, 0.1], 1.0, 0.25), (0.3, [0.25, 0.75], 4.0, 0.64)])
 }
 
 /// The model that training starts from.
 fn start() -> Result<GaussianHmm, Fault> {
-    let start = univariate(&[0.5, 0.5], &[&[0.5, 0.5], &[0.5, 0.5]], &[0.0, 3.0], &[1.0, 1.0]);
+    let start = univariate([(0.5, [0.5, 0.5], 0.0, 1.0), (0.5, [0.5, 0.5], 3.0, 1.0)]);
     GaussianHmm::new(start).map_err(|error| Fault::Run(format!("{error:?}")))
 }
 
+/// Sequences that are drawn from a model.
 fn drawn(parameters: &HmmParameters) -> Result<Vec<Observations>, Fault> {
+    let choose = |weights: &[f64], random: &mut ChaCha8Rng| {
+        let mut left: f64 = random.random();
+        let chosen = weights.iter().position(|weight| {
+            left -= weight;
+            left < 0.0
+        });
+        chosen.unwrap_or(weights.len() - 1)
+    };
     let mut random = ChaCha8Rng::seed_from_u64(17);
-    (0..SEQUENCES).map(|_| draw(parameters, &mut random)).collect()
+    let draw = |_| {
+        let mut state = choose(&parameters.initial, &mut random);
+        let mut values = Vec::with_capacity(SAMPLES);
+        for _ in 0..SAMPLES {
+            let standard: f64 = StandardNormal.sample(&mut random);
+            values.push(parameters.mean[state][0] + standard * parameters.covariance[state][0][0].sqrt());
+            state = choose(&parameters.transition[state], &mut random);
+        }
+        Ok(Observations::new(1, values)?)
+    };
+    (0..SEQUENCES).map(draw).collect()
 }
 
 /// Trains one iteration at a time and scores all sequences after each. The likelihood that training itself reports is
@@ -171,24 +176,4 @@ fn recovered(simulated: Simulated) -> Found {
         compare(format!("probability that state {state} stays"), stays, stay, stays_error);
     }
     Ok(comparisons)
-}
-
-/// Draws one sequence from a model.
-fn draw(parameters: &HmmParameters, random: &mut ChaCha8Rng) -> Result<Observations, Fault> {
-    let choose = |weights: &[f64], random: &mut ChaCha8Rng| {
-        let mut left: f64 = random.random();
-        let chosen = weights.iter().position(|weight| {
-            left -= weight;
-            left < 0.0
-        });
-        chosen.unwrap_or(weights.len() - 1)
-    };
-    let mut state = choose(&parameters.initial, random);
-    let mut values = Vec::with_capacity(SAMPLES);
-    for _ in 0..SAMPLES {
-        let standard: f64 = StandardNormal.sample(random);
-        values.push(parameters.mean[state][0] + standard * parameters.covariance[state][0][0].sqrt());
-        state = choose(&parameters.transition[state], random);
-    }
-    Ok(Observations::new(1, values)?)
 }

@@ -3,11 +3,9 @@
 use glam::DVec3;
 use nalgebra::DVector;
 use underbrush_sim::arm::Arm;
-use underbrush_sim::object::Object;
 use underbrush_sim::object::leaf::Leaf;
-use underbrush_sim::object::trunk::Trunk;
 
-use crate::pressed_arm::{Beside, LEAF, OPTIONS, PressedArm};
+use crate::pressed_arm::{Beside, LEAF, OPTIONS, PressedArm, scale_stiffness};
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 6.
@@ -20,15 +18,10 @@ pub const CHECK: Check = Check {
 const STIFF_JOINTS: Falsification = Falsification::new("stiffness of the simulated joints", "1 % too high");
 
 fn compare(simulated: Simulated) -> Found {
-    let trunk = || -> Box<dyn Object> { Box::new(Trunk { diameter_m: 0.03, height_m: 0.6 }) };
-    let leaf = || -> Box<dyn Object> { Box::new(Leaf { loss_factor: 0.3, ..LEAF }) };
-    let compare = |(name, object, gap_m, force_n): (&str, Box<dyn Object>, f64, f64)| -> Result<Comparison, Fault> {
-        let arm = Arm::cody()?;
-        let mut wrong = arm.clone();
-        for joint in &mut wrong.joints {
-            joint.stiffness_nm_per_rad *= simulated.with(STIFF_JOINTS, 1.0, 1.01);
-        }
-        let mut pressed = PressedArm::new(arm, wrong, Beside::facing(object, gap_m, 0.3), OPTIONS)?;
+    let leaf = || Beside::facing(Box::new(Leaf { loss_factor: 0.3, ..LEAF }), 0.005, 0.3);
+    let compare = |(name, beside, force_n): (&str, Beside, f64)| -> Result<Comparison, Fault> {
+        let wrong = |arm: &mut Arm| scale_stiffness(arm, simulated.with(STIFF_JOINTS, 1.0, 1.01));
+        let mut pressed = PressedArm::new(beside, OPTIONS, wrong)?;
         let equilibrium = pressed.pressing_rad(force_n);
         pressed.hold(&equilibrium, 8.0);
         let springs = pressed.arm.joints.iter().zip(equilibrium.iter().zip(pressed.report().joint_angle_rad()));
@@ -50,10 +43,10 @@ fn compare(simulated: Simulated) -> Found {
         })
     };
     [
-        ("trunk, 2 N", trunk(), 0.017, 2.0),
-        ("trunk, 9 N", trunk(), 0.017, 9.0),
-        ("leaf, lightly touched", leaf(), 0.005, 9.0),
-        ("leaf, bent far", leaf(), 0.005, 30.0),
+        ("trunk, 2 N", Beside::trunk(), 2.0),
+        ("trunk, 9 N", Beside::trunk(), 9.0),
+        ("leaf, lightly touched", leaf(), 9.0),
+        ("leaf, bent far", leaf(), 30.0),
     ]
     .into_iter()
     .map(compare)

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use underbrush_oracles::{beam, chain, elastica};
+use underbrush_oracles::{beam, chain};
 
 use crate::leaf_case::{ClampedLeaf, LENGTH_M, RIGIDITY_N_M2, STIFF_BLADE, blade};
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
@@ -42,7 +42,7 @@ fn damped_leaf(segments: u32, simulated: Simulated) -> ClampedLeaf {
 /// which the tip's deflection depends, exactly (`chain` in the oracles). The next term of the elastica remains, 9e-6 at
 /// this load. It is doubled, because the chain's next term differs a little from the strip's.
 fn small_load_tolerance() -> f64 {
-    2.0 * elastica::small_load_error(SMALL_LOAD_N * LENGTH_M.powi(2) / RIGIDITY_N_M2)
+    2.0 * beam::small_load_error(SMALL_LOAD_N * LENGTH_M.powi(2) / RIGIDITY_N_M2)
 }
 
 fn tip_load(simulated: Simulated) -> Found {
@@ -75,7 +75,7 @@ fn large_deflection(simulated: Simulated) -> Found {
     let reason = "1.5 (π²/24n²) ∫ s (1−s) κ² ds: the leading error of a chain with Gauss-Legendre hinges, and half as much again \
                   because it changes the lever";
     let mut comparisons = Vec::new();
-    let mut compare = |what: String, segments: u32, bending: f64, expected: elastica::Tip, found: DVec3| {
+    let mut compare = |what: String, segments: u32, bending: f64, expected: beam::Tip, found: DVec3| {
         let tolerance = 1.5 * chain::far_bending_error(bending, segments);
         for (direction, expected, found) in [
             ("sideways", expected.sideways, found.x / LENGTH_M),
@@ -89,13 +89,13 @@ fn large_deflection(simulated: Simulated) -> Found {
         let force_n = load * RIGIDITY_N_M2 / LENGTH_M.powi(2);
         let tip = damped_leaf(segments, simulated).settle(DVec3::X * force_n, DVec3::ZERO)?;
         let bending = chain::tip_load_bending(load);
-        let expected = elastica::under_tip_load(load);
+        let expected = beam::under_tip_load(load);
         compare(format!("P L² / E I = {load}"), segments, bending, expected, tip);
     }
     for (angle, name, segments) in [(PI / 2.0, "quarter", 8), (PI, "half", 20)] {
         let moment_nm = angle * RIGIDITY_N_M2 / LENGTH_M;
         let tip = damped_leaf(segments, simulated).settle(DVec3::ZERO, DVec3::Y * moment_nm)?;
-        let (bending, expected) = (chain::arc_bending(angle), elastica::under_end_moment(angle));
+        let (bending, expected) = (chain::arc_bending(angle), beam::under_end_moment(angle));
         compare(format!("end moment, {name} circle"), segments, bending, expected, tip);
     }
     Ok(comparisons)

@@ -13,7 +13,6 @@ mod comparison;
 mod contact_law;
 mod convergence;
 mod determinism;
-mod driven;
 mod falsification;
 mod foam;
 mod free_arm;
@@ -33,13 +32,11 @@ mod series;
 mod skin_forces;
 mod skin_layer;
 mod standing_bottle;
-mod wrong_parameter;
 
-pub use check::{Case, Check, Found, Judged, Outcome, Simulated, Verdict, judge, run};
-pub use comparison::{Comparison, Pair};
-pub use falsification::{Falsified, FalsifiedOutcome, FalsifiedRun, falsify, judge_falsified};
+pub use check::{Case, Check, Found, Judged, Outcome, Simulated, Verdict, run};
+pub use comparison::{Comparison, Falsification};
+pub use falsification::{Falsified, FalsifiedOutcome, FalsifiedRun, falsify};
 pub use underbrush_recording::fault::Fault;
-pub use wrong_parameter::Falsification;
 
 /// All checks, in the order of their numbers.
 pub const CHECKS: &[Check] = &[

@@ -6,6 +6,7 @@ use underbrush_recording::{Category, FRAME_PERIOD_S, Pose, TaxelReading};
 use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
 use underbrush_sim::object::foam_roll::FoamRoll;
 use underbrush_sim::object::leaf::Leaf;
+use underbrush_sim::object::trunk::Trunk;
 use underbrush_sim::object::{FRICTION, Object};
 use underbrush_sim::sensor::{Sensor, SensorOptions};
 use underbrush_sim::simulation::{FrameReport, Setup, Simulation};
@@ -59,14 +60,17 @@ pub struct Beside {
     pub drop_m: f64,
     /// How much nearer to the elbow than usual the object is touched, m.
     pub along_m: f64,
-    /// Rotation of the object about the vertical from where it faces the forearm, rad.
-    pub rotation_rad: f64,
 }
 
 impl Beside {
     /// An object that faces the forearm.
     pub fn facing(object: Box<dyn Object>, gap_m: f64, drop_m: f64) -> Self {
-        Beside { object, gap_m, drop_m, along_m: 0.0, rotation_rad: 0.0 }
+        Beside { object, gap_m, drop_m, along_m: 0.0 }
+    }
+
+    /// A thin trunk, close to the forearm.
+    pub fn trunk() -> Self {
+        Beside::facing(Box::new(Trunk { diameter_m: 0.03, height_m: 0.6 }), 0.017, 0.3)
     }
 }
 
@@ -87,11 +91,14 @@ pub struct PressedArm {
 }
 
 impl PressedArm {
-    /// The arm `simulated` beside an object; `arm` is what the closed form describes. The skin's sensor is perfect.
+    /// The arm beside an object. `change` is made to the simulated arm alone. The skin's sensor is perfect.
     ///
     /// # Errors
     /// When the arm has no forearm.
-    pub fn new(arm: Arm, simulated: Arm, beside: Beside, options: PhysicsOptions) -> Result<Self, Fault> {
+    pub fn new(beside: Beside, options: PhysicsOptions, change: impl FnOnce(&mut Arm)) -> Result<Self, Fault> {
+        let arm = Arm::cody()?;
+        let mut simulated = arm.clone();
+        change(&mut simulated);
         let posture_rad = arm.start_posture_rad();
         let poses = arm.forward_kinematics(&posture_rad);
         let forearm = arm.link_index("forearm").ok_or_else(|| Fault::Run("the arm has no forearm".into()))?;
@@ -104,7 +111,7 @@ impl PressedArm {
             // The physics does not depend on it.
             category: Category::TRUNK,
             foot_world: place + across_world * (FOREARM_RADIUS_M + beside.gap_m) - DVec3::Z * beside.drop_m,
-            yaw_rad: across_world.y.atan2(across_world.x) + beside.rotation_rad,
+            yaw_rad: across_world.y.atan2(across_world.x),
             drawn: Vec::new(),
             stands_on: None,
         };
@@ -162,15 +169,9 @@ impl PressedArm {
     }
 
     /// The taxels of the forearm that feel something.
-    ///
-    /// # Errors
-    /// When the forearm has no skin.
-    pub fn forearm_taxels(&self) -> Result<impl Iterator<Item = &TaxelReading> + Clone, Fault> {
-        let mut surfaces = self.arm.skin.surfaces.iter();
-        let patch = surfaces.position(|surface| surface.link == self.forearm);
-        let patch = patch.ok_or_else(|| Fault::Run("the forearm has no skin".into()))?;
+    pub fn forearm_taxels(&self) -> impl Iterator<Item = &TaxelReading> + Clone {
         let readings = self.report().tactile.taxels.iter();
-        Ok(readings.filter(move |reading| usize::from(reading.patch) == patch))
+        readings.filter(move |reading| self.arm.skin.surfaces[usize::from(reading.patch)].link == self.forearm)
     }
 
     /// Velocity of a point of a link, m/s, world frame.
@@ -207,11 +208,6 @@ impl PressedArm {
         let pressing = report.contacts.iter().map(|contact| contact.force_world.dot(contact.inward_world));
         Some((pressing.sum(), -per_newton.dot(&torque) / per_newton.norm_squared()))
     }
-
-    /// Sum of the contact forces on the arm, N, world frame.
-    pub fn contact_force_world(&self) -> DVec3 {
-        self.report().contacts.iter().map(|contact| contact.force_world).sum()
-    }
 }
 
 /// An arm among objects, all of which are simulated in every step, however far away. The skin's sensor is perfect.
@@ -220,12 +216,17 @@ pub fn simulation(arm: Arm, clutter: Clutter, physics: PhysicsOptions) -> Simula
     Simulation::new(Setup { arm, clutter, sensor, physics, dormancy: false })
 }
 
-/// An arm for which the coefficient of friction with an object is `friction`: the mean of both surfaces' coefficients.
-pub fn with_friction(arm: &Arm, friction: f64) -> Arm {
-    Arm { friction: 2.0 * friction - FRICTION, ..arm.clone() }
+/// Makes the coefficient of friction between an arm and an object so many times as large.
+pub fn scale_friction(arm: &mut Arm, ratio: f64) {
+    arm.friction = 2.0 * (friction_of(arm) * ratio) - FRICTION;
 }
 
-/// The coefficient of friction between an arm and an object.
+/// Makes the springs of an arm's joints so many times as stiff.
+pub fn scale_stiffness(arm: &mut Arm, ratio: f64) {
+    arm.joints.iter_mut().for_each(|joint| joint.stiffness_nm_per_rad *= ratio);
+}
+
+/// The coefficient of friction between an arm and an object: the mean of both surfaces' coefficients.
 pub fn friction_of(arm: &Arm) -> f64 {
     0.5 * (arm.friction + FRICTION)
 }

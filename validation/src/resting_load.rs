@@ -22,6 +22,7 @@ const MASS_KG: f64 = 0.4;
 /// Friction plays no part at rest.
 const FRICTION: f64 = 0.5;
 
+/// The contact force between the ground and bodies that have lain on it for three seconds.
 fn compare(simulated: Simulated) -> Found {
     let mass_kg = MASS_KG * simulated.with(HEAVY_BODY, 1.0, 1.01);
     let upright = Pose::IDENTITY;
@@ -35,25 +36,21 @@ fn compare(simulated: Simulated) -> Found {
     bodies
         .into_iter()
         .map(|(name, shape, pose_body)| {
-            let found = resting_load_n(BodyPart { shape, pose_body }, mass_kg)?;
+            let mut rig = Rig::new(OPTIONS);
+            let plate = structure::part(BodyShape::Box { size_m: DVec3::new(1.0, 1.0, 0.1) }, DVec3::Z * -0.05);
+            let plate = rig.add_fixed(&plate, Surface::hard(FRICTION), &Pose::IDENTITY);
+            let part = BodyPart { shape, pose_body };
+            // All three shapes reach 3 cm below their centre.
+            let place = Pose::from_position(DVec3::Z * 0.03);
+            let lying = rig.add_free(&FreeBody::resting(part, mass_kg, Surface::hard(FRICTION), place));
+            let (Some(plate), Some(_)) = (plate, lying) else {
+                return Err(Fault::Run("a body without volume".into()));
+            };
+            rig.step_times(600);
+            let found = rig.pressing_force_n(plate);
             let load = Comparison::of(format!("load under a {name}"), "N", MASS_KG * GRAVITY_M_PER_S2, found);
             let reason = "1e-6: a state of rest has no discretization error; what remains is the solver's residual";
             Ok(load.relative(1e-6, reason))
         })
         .collect()
-}
-
-/// The contact force between the ground and a body that has lain on it for three seconds, N.
-fn resting_load_n(part: BodyPart, mass_kg: f64) -> Result<f64, Fault> {
-    let mut rig = Rig::new(OPTIONS);
-    let plate = structure::part(BodyShape::Box { size_m: DVec3::new(1.0, 1.0, 0.1) }, DVec3::Z * -0.05);
-    let plate = rig.add_fixed(&plate, Surface::hard(FRICTION), &Pose::IDENTITY);
-    // All three shapes reach 3 cm below their centre.
-    let place = Pose::from_position(DVec3::Z * 0.03);
-    let lying = rig.add_free(&FreeBody::resting(part, mass_kg, Surface::hard(FRICTION), place));
-    let (Some(plate), Some(_)) = (plate, lying) else {
-        return Err(Fault::Run("a body without volume".into()));
-    };
-    rig.step_times(600);
-    Ok(rig.pressing_force_n(plate))
 }

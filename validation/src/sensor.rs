@@ -40,49 +40,43 @@ const FRAMES: usize = 1000;
 const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
 const ROUNDING_REASON: &str = "6.0e-8: readings are rounded to single precision, 2⁻²⁴";
 
-/// A sensor whose taxels are pressed one by one.
+/// The sensor of a patch whose taxels are pressed one by one.
 struct Bench {
     sensor: Sensor,
-    forearm: usize,
-    flipper: usize,
+    patch: usize,
 }
 
 impl Bench {
-    fn new(options: &SensorOptions) -> Result<Self, Fault> {
+    fn new(patch: &str, options: &SensorOptions) -> Result<Self, Fault> {
         let skin = &Arm::cody()?.skin;
-        let patch = |name: &str| {
-            let index = skin.layout.patch_index(name);
-            index.ok_or_else(|| Fault::Run(format!("the arm has no {name}")))
-        };
-        Ok(Bench {
-            sensor: Sensor::new(options, skin, 0, "validate", 0),
-            forearm: patch("forearm")?,
-            flipper: patch("flipper")?,
-        })
+        let index = skin.layout.patch_index(patch);
+        let patch = index.ok_or_else(|| Fault::Run(format!("the arm has no {patch}")))?;
+        Ok(Bench { sensor: Sensor::new(options, skin, 0, "validate", 0), patch })
     }
 
     /// What a taxel reads in the frame in which it is pressed with a force.
-    fn press(&mut self, patch: usize, taxel: usize, force_n: f64) -> f64 {
-        self.sensor.press(patch, taxel, force_n);
+    fn press(&mut self, taxel: usize, force_n: f64) -> f64 {
+        self.sensor.press(self.patch, taxel, force_n);
         self.sensor.sample();
-        self.sensor.reading_n(patch, taxel)
+        self.sensor.reading_n(self.patch, taxel)
     }
 }
 
 fn noise(simulated: Simulated) -> Found {
-    let mut bench = Bench::new(&SensorOptions {
+    let options = SensorOptions {
         noise_n: NOISE_N * simulated.with(LOUD_NOISE, 1.0, 1.05),
         spurious_share: simulated.with(SPURIOUS_LEFT_ON, 0.0, 2.0 / 384.0),
         ..SensorOptions::off()
-    })?;
+    };
+    let mut bench = Bench::new("forearm", &options)?;
     // A force far from zero, so that nothing is clipped.
     let force = 1.0;
     let (mut sum, mut squares) = (0.0, 0.0);
     for _ in 0..FRAMES {
-        (0..TAXELS).for_each(|taxel| bench.sensor.press(bench.forearm, taxel, force));
+        (0..TAXELS).for_each(|taxel| bench.sensor.press(bench.patch, taxel, force));
         bench.sensor.sample();
         for taxel in 0..TAXELS {
-            let deviation = bench.sensor.reading_n(bench.forearm, taxel) - force;
+            let deviation = bench.sensor.reading_n(bench.patch, taxel) - force;
             sum += deviation;
             squares += deviation * deviation;
         }
@@ -100,11 +94,11 @@ fn noise(simulated: Simulated) -> Found {
 /// Counts the readings that are not the number in single precision nearest to a whole number of millinewtons.
 fn quantum(simulated: Simulated) -> Found {
     let options = SensorOptions { quantum_n: 0.001 * simulated.with(COARSE_STEPS, 1.0, 2.0), ..SensorOptions::off() };
-    let mut bench = Bench::new(&options)?;
+    let mut bench = Bench::new("forearm", &options)?;
     let mut wrong = 0.0;
     for step in 0..5000 {
         let force = f64::from(step) * 0.00337;
-        let reading = bench.press(bench.forearm, 7, force);
+        let reading = bench.press(7, force);
         let nearest = (force * 1000.0).round() / 1000.0;
         wrong += f64::from(reading != f64::from(nearest as f32));
     }
@@ -117,10 +111,9 @@ fn quantum(simulated: Simulated) -> Found {
 /// The number of frames after which a tap arrives.
 fn delay(simulated: Simulated) -> Found {
     let options = SensorOptions { delay_frames: simulated.with(SHORT_DELAY, 3, 2), ..SensorOptions::off() };
-    let mut bench = Bench::new(&options)?;
-    let forces = (0..20).map(|frame| if frame == 5 { 1.0 } else { 0.0 });
-    let readings: Vec<f64> = forces.map(|force| bench.press(bench.forearm, 7, force)).collect();
-    let arrived = readings.iter().position(|reading| *reading > 0.0);
+    let mut bench = Bench::new("forearm", &options)?;
+    let mut forces = (0..20).map(|frame| if frame == 5 { 1.0 } else { 0.0 });
+    let arrived = forces.position(|force| bench.press(7, force) > 0.0);
     Ok(vec![
         Comparison::of("delay of a tap", "frames", 3.0, arrived.map_or(f64::NAN, |frame| frame as f64 - 5.0))
             .absolute(0.5, "half a frame: a delay is a whole number of frames"),
@@ -139,10 +132,10 @@ fn crosstalk(simulated: Simulated) -> Found {
     if simulated.is(DEAD_TAXEL) {
         options.dead_taxels.insert("forearm".into(), vec![7]);
     }
-    let mut bench = Bench::new(&options)?;
+    let mut bench = Bench::new("forearm", &options)?;
     let mut kernel = |taxel: usize| -> Vec<f64> {
-        bench.press(bench.forearm, taxel, 1.0);
-        let reading = |other| bench.sensor.reading_n(bench.forearm, other);
+        bench.press(taxel, 1.0);
+        let reading = |other| bench.sensor.reading_n(bench.patch, other);
         (0..TAXELS).map(reading).collect()
     };
     let sums = (0..TAXELS).map(|taxel| kernel(taxel).iter().sum::<f64>());
@@ -167,9 +160,9 @@ fn creep(simulated: Simulated) -> Found {
         creep_share_per_decade: share * simulated.with(STRONG_CREEP, 1.0, 1.05),
         ..SensorOptions::off()
     };
-    let mut bench = Bench::new(&options)?;
+    let mut bench = Bench::new("forearm", &options)?;
     let frames = 2000;
-    let reading = (0..frames).map(|_| bench.press(bench.forearm, 7, force)).last();
+    let reading = (0..frames).map(|_| bench.press(7, force)).last();
     let crept = |time_s: f64| 1.0 - (-f64::from(frames) * FRAME_PERIOD_S / time_s).exp();
     let expected = force * (1.0 + share * [0.1, 1.0, 10.0, 100.0].map(crept).iter().sum::<f64>());
     let quantity = "reading of 2 N held for 20 s, F (1 + c Σ (1 − e^(−t/τ)))";
@@ -182,10 +175,10 @@ fn hysteresis(simulated: Simulated) -> Found {
     let (share, peak, steps) = (0.25, 8.0, 4000);
     let mut options = SensorOptions::off();
     options.fabric.hysteresis_share = share * simulated.with(WIDE_LOOP, 1.0, 1.05);
-    let mut bench = Bench::new(&options)?;
+    let mut bench = Bench::new("flipper", &options)?;
     let step = peak / f64::from(steps);
     let mut way = |steps: &mut dyn Iterator<Item = i32>| -> f64 {
-        let readings: Vec<f64> = steps.map(|index| bench.press(bench.flipper, 7, f64::from(index) * step)).collect();
+        let readings: Vec<f64> = steps.map(|index| bench.press(7, f64::from(index) * step)).collect();
         readings.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0 * step).sum()
     };
     let up = way(&mut (0..=steps));

@@ -5,11 +5,9 @@ use nalgebra::Vector3;
 use underbrush_oracles::{beam, foam, statics};
 use underbrush_sim::object::foam_roll::FoamRoll;
 use underbrush_sim::object::leaf::Leaf;
-use underbrush_sim::object::trunk::Trunk;
-use underbrush_sim::simulation::Contact;
 use underbrush_sim::{Arm, PhysicsOptions};
 
-use crate::pressed_arm::{self, Beside, LEAF, OPTIONS, PressedArm, with_friction};
+use crate::pressed_arm::{self, Beside, LEAF, OPTIONS, PressedArm, scale_friction, scale_stiffness};
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 14.
@@ -28,8 +26,6 @@ const STIFF_BLADE: Falsification = Falsification::new("flexural rigidity of the 
 const STIFF_FOAM: Falsification = Falsification::new("modulus of the simulated roll", "10 % too high");
 const STIFF_JOINTS: Falsification = Falsification::new("stiffness of the simulated joints", "5 % too high");
 
-const LEAF_HEIGHT_M: f64 = 0.4;
-const LEAF_RIGIDITY_N_M2: f64 = 0.02;
 /// A roll that relaxes within a fifth of a second, so that a state of rest shows the relaxed stiffness.
 const ROLL: FoamRoll = FoamRoll { relaxation_time_s: 0.2, ..pressed_arm::ROLL };
 
@@ -49,18 +45,18 @@ struct Pushed {
 /// A leaf whose foot stands `drop_m` under the forearm's axis.
 fn leaf(name: &str, drop_m: f64, simulated: Simulated) -> Found {
     let leaf = Leaf {
-        height_m: LEAF_HEIGHT_M,
         // Narrow, so that it is touched at its midline and not twisted.
         width_m: 0.01,
-        flexural_rigidity_n_m2: LEAF_RIGIDITY_N_M2 * simulated.with(STIFF_BLADE, 1.0, 1.1),
+        flexural_rigidity_n_m2: LEAF.flexural_rigidity_n_m2 * simulated.with(STIFF_BLADE, 1.0, 1.1),
         loss_factor: 0.3,
         root_stiffness_nm_per_rad: None,
         // Many, so that the beam's closed form applies.
         segments: 20,
         ..LEAF
     };
-    let pushed = push(Beside::facing(Box::new(leaf), 0.002, drop_m), [0.003, 0.004], simulated)?;
-    series(name, &pushed, |height_m| 1.0 / beam::beam_deflection_m(1.0, height_m, LEAF_RIGIDITY_N_M2))
+    let beside = Beside::facing(Box::new(leaf), 0.002, drop_m);
+    let object_n_per_m = |height_m| 1.0 / beam::beam_deflection_m(1.0, height_m, LEAF.flexural_rigidity_n_m2);
+    series(name, beside, [0.003, 0.004], simulated, object_n_per_m)
 }
 
 /// A roll that is touched at the middle of its sixth slice of ten. A slice is compressed like a bar as long and as wide
@@ -68,72 +64,42 @@ fn leaf(name: &str, drop_m: f64, simulated: Simulated) -> Found {
 /// proportion to their height.
 fn roll(simulated: Simulated) -> Found {
     let roll = FoamRoll { modulus_pa: ROLL.modulus_pa * simulated.with(STIFF_FOAM, 1.0, 1.1), ..ROLL };
-    let pushed = push(Beside::facing(Box::new(roll), 0.061, 0.275), [0.002, 0.003], simulated)?;
     let remaining_pa = ROLL.modulus_pa * (1.0 - ROLL.relaxing_share);
     let slice_m2 = ROLL.diameter_m * ROLL.height_m / 10.0;
     let slice = foam::bar_force_n(remaining_pa, slice_m2, ROLL.diameter_m, 1.0);
     let area_moment_m4 = std::f64::consts::PI * ROLL.diameter_m.powi(4) / 64.0;
     let top_m_per_n = beam::beam_deflection_m(1.0, ROLL.height_m, remaining_pa * area_moment_m4);
-    series("roll", &pushed, |height_m| statics::in_series(&[slice, (ROLL.height_m / height_m).powi(2) / top_m_per_n]))
+    let object_n_per_m = |height_m: f64| statics::in_series(&[slice, (ROLL.height_m / height_m).powi(2) / top_m_per_n]);
+    let beside = Beside::facing(Box::new(roll), 0.061, 0.275);
+    series("roll", beside, [0.002, 0.003], simulated, object_n_per_m)
 }
 
 fn trunk(simulated: Simulated) -> Found {
-    let trunk = Trunk { diameter_m: 0.03, height_m: 0.6 };
-    let pushed = push(Beside::facing(Box::new(trunk), 0.016, 0.3), [0.006, 0.011], simulated)?;
-    series("trunk", &pushed, |_| f64::INFINITY)
+    series("trunk", Beside { gap_m: 0.016, ..Beside::trunk() }, [0.006, 0.011], simulated, |_| f64::INFINITY)
 }
 
-/// The arm and two states of rest of one object, without friction and gravity, for two moves, m, of the equilibrium
-/// point across the forearm. In the first millimetre of a move nothing is touched.
-fn push(beside: Beside, moves_m: [f64; 2], simulated: Simulated) -> Result<(PressedArm, [Pushed; 2]), Fault> {
-    let options = PhysicsOptions { gravity_m_per_s2: 0.0, ..OPTIONS };
-    let arm = Arm::cody()?;
-    let mut wrong = with_friction(&arm, 0.0);
-    // A skin so stiff that the place of the contact does not shift with its depth; `contact-law` checks the skin's own
-    // stiffness.
-    wrong.skin.stiffness_n_per_m3 = 1e9;
-    for joint in &mut wrong.joints {
-        joint.stiffness_nm_per_rad *= simulated.with(STIFF_JOINTS, 1.0, 1.05);
-    }
-    let mut pressed = PressedArm::new(arm, wrong, beside, options)?;
-    let mut state = |move_m: f64| {
-        let equilibrium = pressed.moving_rad(move_m);
-        pressed.hold(&equilibrium, 8.0);
-        measure(&pressed, equilibrium)
-    };
-    let states = [state(moves_m[0])?, state(moves_m[1])?];
-    Ok((pressed, states))
-}
-
-fn measure(pressed: &PressedArm, equilibrium_rad: Vec<f64>) -> Result<Pushed, Fault> {
-    let contacts = &pressed.report().contacts;
-    let force = pressed.contact_force_world();
-    if force == DVec3::ZERO || contacts.iter().any(|contact| contact.link != pressed.forearm) {
-        return Err(Fault::Run("the forearm does not touch the object, or another link does".into()));
-    }
-    let weights = contacts.iter().map(|contact| contact.force_world.length());
-    let places = contacts.iter().map(|contact| contact.position_link);
-    let place = weights.clone().zip(places).map(|(weight, place)| place * weight).sum::<DVec3>();
-    Ok(Pushed {
-        force_n: force.length(),
-        outward_world: -force.normalize(),
-        place_link: place / weights.sum::<f64>(),
-        angle_rad: pressed.report().joint_angle_rad(),
-        equilibrium_rad,
-        overlap_m: overlap_m(contacts),
-    })
-}
-
-/// Increase of force over displacement of the equilibrium point between two states, compared with arm and object in
-/// series. Position and direction of the contact are the means of the two states.
+/// Increase of force over displacement of the equilibrium point between two states of rest, compared with arm and object in
+/// series. The arm has neither friction nor gravity. `moves_m` are the moves of its equilibrium point across the forearm; in the
+/// first millimetre of a move nothing is touched. Position and direction of the contact are the means of the two states.
 ///
 /// The skin also gives way, so the overlap of the shapes is measured and subtracted from the push. Of the expected
 /// value, only the position of the contact is read from the simulation.
 fn series(
     name: &str,
-    (pressed, [less, more]): &(PressedArm, [Pushed; 2]),
+    beside: Beside,
+    moves_m: [f64; 2],
+    simulated: Simulated,
     object_n_per_m: impl Fn(f64) -> f64,
 ) -> Found {
+    let wrong = |arm: &mut Arm| {
+        scale_friction(arm, 0.0);
+        // A skin so stiff that the place of the contact does not shift with its depth; `contact-law` checks the skin's own
+        // stiffness.
+        arm.skin.stiffness_n_per_m3 = 1e9;
+        scale_stiffness(arm, simulated.with(STIFF_JOINTS, 1.0, 1.05));
+    };
+    let mut pressed = PressedArm::new(beside, PhysicsOptions { gravity_m_per_s2: 0.0, ..OPTIONS }, wrong)?;
+    let (less, more) = (pushed(&mut pressed, moves_m[0])?, pushed(&mut pressed, moves_m[1])?);
     let rise_n = more.force_n - less.force_n;
     let outward = (less.outward_world + more.outward_world).normalize();
     let place_link = 0.5 * (less.place_link + more.place_link);
@@ -154,13 +120,27 @@ fn series(
     Ok(vec![Comparison::of(format!("force over push, {name}"), "N/m", expected, found).relative(2e-2, reason)])
 }
 
-/// Overlap of the shapes at the contact points, weighted by their normal forces, m.
-fn overlap_m(contacts: &[Contact]) -> f64 {
-    let (mut sum, mut weight) = (0.0, 0.0);
-    for contact in contacts {
-        let normal_n = contact.force_world.dot(contact.inward_world);
-        sum += contact.penetration_m * normal_n;
-        weight += normal_n;
+/// The state of rest after a move of the equilibrium point, m.
+fn pushed(pressed: &mut PressedArm, move_m: f64) -> Result<Pushed, Fault> {
+    let equilibrium_rad = pressed.moving_rad(move_m);
+    pressed.hold(&equilibrium_rad, 8.0);
+    let contacts = &pressed.report().contacts;
+    let force: DVec3 = contacts.iter().map(|contact| contact.force_world).sum();
+    if force == DVec3::ZERO || contacts.iter().any(|contact| contact.link != pressed.forearm) {
+        return Err(Fault::Run("the forearm does not touch the object, or another link does".into()));
     }
-    sum / weight
+    // The overlap is weighted by the normal forces.
+    let normals_n = contacts.iter().map(|contact| contact.force_world.dot(contact.inward_world));
+    let overlaps = normals_n.clone().zip(contacts).map(|(normal_n, contact)| contact.penetration_m * normal_n);
+    let weights = contacts.iter().map(|contact| contact.force_world.length());
+    let places = contacts.iter().map(|contact| contact.position_link);
+    let place = weights.clone().zip(places).map(|(weight, place)| place * weight).sum::<DVec3>();
+    Ok(Pushed {
+        force_n: force.length(),
+        outward_world: -force.normalize(),
+        place_link: place / weights.sum::<f64>(),
+        angle_rad: pressed.report().joint_angle_rad(),
+        equilibrium_rad,
+        overlap_m: overlaps.sum::<f64>() / normals_n.sum::<f64>(),
+    })
 }

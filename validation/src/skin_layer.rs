@@ -3,8 +3,8 @@
 use glam::DVec3;
 use nalgebra::{Matrix3, Vector3};
 use parry3d::shape::SharedShape;
-use underbrush_oracles::numeric::bisected;
-use underbrush_oracles::{foundation, order};
+use underbrush_oracles::foundation;
+use underbrush_oracles::numeric::{bisected, log_log_slope};
 use underbrush_recording::Pose;
 use underbrush_sim::arm::skin::SurfacePoint;
 use underbrush_sim::object::FRICTION;
@@ -59,24 +59,15 @@ struct Pressed {
 }
 
 fn ball_on_flat(simulated: Simulated) -> Found {
-    let pressed = Pressed {
-        shape: boxed(SharedShape::ball(BALL_RADIUS_M), simulated),
-        height_m: BALL_RADIUS_M,
-        skin_radius_m: 1e9,
-        thickness_m: None,
-        simulated,
-    };
+    let shape = boxed(SharedShape::ball(BALL_RADIUS_M), simulated);
+    let pressed = Pressed { shape, height_m: BALL_RADIUS_M, skin_radius_m: 1e9, thickness_m: None, simulated };
     Ok(fine_skin("ball on flat skin", &pressed, |depth_m| foundation::cap_volume_m3(BALL_RADIUS_M, depth_m)))
 }
 
 fn trunk_on_round(simulated: Simulated) -> Found {
-    let pressed = Pressed {
-        shape: boxed(SharedShape::capsule_y(0.3, TRUNK_RADIUS_M), simulated),
-        height_m: TRUNK_RADIUS_M,
-        skin_radius_m: FOREARM_RADIUS_M,
-        thickness_m: None,
-        simulated,
-    };
+    let shape = boxed(SharedShape::capsule_y(0.3, TRUNK_RADIUS_M), simulated);
+    let (height_m, skin_radius_m) = (TRUNK_RADIUS_M, FOREARM_RADIUS_M);
+    let pressed = Pressed { shape, height_m, skin_radius_m, thickness_m: None, simulated };
     Ok(fine_skin("trunk across round skin", &pressed, |depth_m| {
         foundation::crossed_volume_m3([TRUNK_RADIUS_M, FOREARM_RADIUS_M], depth_m)
     }))
@@ -86,13 +77,9 @@ fn trunk_on_round(simulated: Simulated) -> Found {
 fn hardened(simulated: Simulated) -> Found {
     let layer =
         foundation::Layer { stiffness_n_per_m3: STIFFNESS_N_PER_M3, ground_n_per_m3: 3e8, thickness_m: THICKNESS_M };
-    let pressed = Pressed {
-        shape: SharedShape::ball(BALL_RADIUS_M),
-        height_m: BALL_RADIUS_M,
-        skin_radius_m: 1e9,
-        thickness_m: Some(THICKNESS_M * simulated.with(THICK_LAYER, 1.0, 2.0)),
-        simulated,
-    };
+    let shape = SharedShape::ball(BALL_RADIUS_M);
+    let thickness_m = Some(THICKNESS_M * simulated.with(THICK_LAYER, 1.0, 2.0));
+    let pressed = Pressed { shape, height_m: BALL_RADIUS_M, skin_radius_m: 1e9, thickness_m, simulated };
     let compare = |force_n: f64| {
         let depth_m = layer.depth_m(pressed.pressure_pa(FINEST_PITCH_M, force_n));
         let name = format!("ball on skin that hardens, 2π R ∫ p dh at the depth under {force_n} N");
@@ -110,33 +97,22 @@ fn boxed(shape: SharedShape, simulated: Simulated) -> SharedShape {
 /// Force over depth of a shape pressed on skin of fine pitch, and how the error falls with the pitch.
 fn fine_skin(name: &str, pressed: &Pressed, overlap_m3: impl Fn(f64) -> f64) -> Vec<Comparison> {
     let law = |depth_m: f64| STIFFNESS_N_PER_M3 * overlap_m3(depth_m);
-    let mut comparisons: Vec<Comparison> = [0.5, 2.0]
-        .map(|force_n| {
-            let quantity = format!("{name}, k times the overlap's volume at the depth under {force_n} N");
-            Comparison::of(quantity, "N", force_n, law(pressed.depth_m(FINEST_PITCH_M, force_n)))
-                .relative(0.05, "5 %: a taxel averages the pressure over its area")
-        })
-        .into();
-    let forces: Vec<(f64, f64)> =
-        [0.5, 1.0, 2.0, 4.0].map(|force_n| (pressed.depth_m(FINEST_PITCH_M, force_n), force_n)).into();
-    comparisons.push(
-        Comparison::of(format!("{name}, exponent of force over depth"), "", 2.0, order::log_log_slope(&forces))
-            .absolute(0.05, "0.05: the same, over a factor of three in depth"),
-    );
-    let exact = depth_under(2.0, law);
-    let misses: Vec<(f64, f64)> =
-        PITCHES_M.map(|pitch_m| (pitch_m, (pressed.depth_m(pitch_m, 2.0) / exact - 1.0).abs())).into();
+    let [light, heavy] = [0.5, 2.0].map(|force_n| {
+        let quantity = format!("{name}, k times the overlap's volume at the depth under {force_n} N");
+        Comparison::of(quantity, "N", force_n, law(pressed.depth_m(FINEST_PITCH_M, force_n)))
+            .relative(0.05, "5 %: a taxel averages the pressure over its area")
+    });
+    let forces = [0.5, 1.0, 2.0, 4.0].map(|force_n| (pressed.depth_m(FINEST_PITCH_M, force_n), force_n));
+    let quantity = format!("{name}, exponent of force over depth");
+    let exponent = Comparison::of(quantity, "", 2.0, log_log_slope(&forces))
+        .absolute(0.05, "0.05: the same, over a factor of three in depth");
+    let exact = bisected([0.0, 0.01], 60, |depth_m| law(depth_m) < 2.0);
+    let misses = PITCHES_M.map(|pitch_m| (pitch_m, (pressed.depth_m(pitch_m, 2.0) / exact - 1.0).abs()));
     let quantity = format!("{name}, order in the pitch of the depth's error");
     let reason = "0.2: fit of a straight line on a log-log scale; the mean pressure over a taxel of side p is too low by \
                   k p² / 24 (1/R₁ + 1/R₂)";
-    comparisons.push(Comparison::of(quantity, "", 2.0, order::log_log_slope(&misses)).absolute(0.2, reason));
-    comparisons
-}
-
-/// The depth, m, at which `law`, a force that rises with depth, gives `force_n`.
-fn depth_under(force_n: f64, law: impl Fn(f64) -> f64) -> f64 {
-    let [low, high] = bisected([0.0, 0.01], 60, |depth_m| law(depth_m) < force_n);
-    0.5 * (low + high)
+    let order = Comparison::of(quantity, "", 2.0, log_log_slope(&misses)).absolute(0.2, reason);
+    vec![light, heavy, exponent, order]
 }
 
 impl Pressed {
@@ -147,22 +123,29 @@ impl Pressed {
 
     /// The pressure on the taxel with the largest force, Pa.
     fn pressure_pa(&self, pitch_m: f64, force_n: f64) -> f64 {
-        let contact = ContactPoint {
-            position_link: DVec3::ZERO,
-            inward_link: -DVec3::Z,
-            force_link: DVec3::Z * -force_n,
-            radius_m: 0.02,
-        };
         let pose = Pose::from_position(DVec3::Z * self.height_m);
         let stiffness = STIFFNESS_N_PER_M3 * self.simulated.with(STIFF_LAYER, 1.0, 1.2);
         let points = self.simulated.with(ONE_POINT, 3, 1);
         let mut patch = patch(stiffness, pitch_m, self.skin_radius_m, points);
         patch.surface.thickness_m = self.thickness_m;
-        let (hard, mut buffers) = (Surface::hard(FRICTION), SpreadBuffers::default());
-        let forces = patch.spread(&[contact], self.shape.as_ref(), &pose, &hard, &mut buffers);
-        let largest = forces.iter().map(|force| force.normal_force_n).fold(0.0, f64::max);
-        largest / (pitch_m * pitch_m)
+        largest_force_n(&patch, [DVec3::ZERO, DVec3::Z], force_n, &self.shape, &pose) / (pitch_m * pitch_m)
     }
+}
+
+/// The largest force on a taxel, N, of a patch on which a hard shape presses with `force_n` at a place, against the outward
+/// normal there.
+fn largest_force_n(
+    patch: &SkinPatch,
+    [position_link, outward]: [DVec3; 2],
+    force_n: f64,
+    shape: &SharedShape,
+    pose: &Pose,
+) -> f64 {
+    let force_link = outward * -force_n;
+    let contact = ContactPoint { position_link, inward_link: -outward, force_link, radius_m: 0.02 };
+    let (hard, mut buffers) = (Surface::hard(FRICTION), SpreadBuffers::default());
+    let forces = patch.spread(&[contact], shape.as_ref(), pose, &hard, &mut buffers);
+    forces.iter().map(|force| force.normal_force_n).fold(0.0, f64::max)
 }
 
 /// A square of skin, 6 cm wide, bent about x with the given radius, one taxel in its middle at the origin, with
@@ -215,17 +198,9 @@ fn forearm(simulated: Simulated) -> Found {
     let compare = |force_n: f64| -> Result<Comparison, Fault> {
         // A third of the way to the next taxel along the forearm, so that nothing is symmetric.
         let touched = middle.position_link + along * 0.003;
-        let contact = ContactPoint {
-            position_link: touched,
-            inward_link: -outward,
-            force_link: outward * -force_n,
-            radius_m: 0.02,
-        };
         let trunk = SharedShape::capsule_y(0.3, TRUNK_RADIUS_M);
         let rotation = glam::DQuat::from_rotation_arc(DVec3::Y, simulated.with(TURNED_TRUNK, around, along));
         let pose = Pose::new(touched + outward * TRUNK_RADIUS_M, rotation);
-        let (hard, mut buffers) = (Surface::hard(FRICTION), SpreadBuffers::default());
-        let found = patch.spread(&[contact], trunk.as_ref(), &pose, &hard, &mut buffers);
         let place = |position: DVec3, normal: DVec3| {
             let angle_rad = normal.dot(around).atan2(normal.dot(outward));
             [(position - touched).dot(along), angle_rad * FOREARM_RADIUS_M]
@@ -235,7 +210,7 @@ fn forearm(simulated: Simulated) -> Found {
         let radii_m = [TRUNK_RADIUS_M, FOREARM_RADIUS_M];
         let expected = taxel_forces_n(stiffness, radii_m, &places, side_m, force_n);
         let quantity = format!("trunk across the forearm at {force_n} N, largest taxel");
-        let found_n = found.iter().map(|force| force.normal_force_n).fold(0.0, f64::max);
+        let found_n = largest_force_n(&patch, [touched, outward], force_n, &trunk, &pose);
         Ok(Comparison::of(quantity, "N", expected.into_iter().fold(0.0, f64::max), found_n)
             .relative(0.05, "5 %: sixteen points per taxel, and terms of order d / R, which the law neglects"))
     };

@@ -132,11 +132,10 @@ pub(super) fn read(
                 mapping.category(own.or(general))
             }
         };
+        let measured = |column: &usize| cell(*column).parse().ok().filter(|number: &f64| number.is_finite());
         for (numbers, columns) in channels.iter_mut().zip(&columns.channels) {
             numbers.clear();
-            numbers.extend(
-                columns.iter().map(|column| cell(*column).parse().ok().filter(|number: &f64| number.is_finite())),
-            );
+            numbers.extend(columns.iter().map(measured));
         }
         let place = Place { line, reach, category, time_s };
         if let Some(recorder) = recorder.as_deref_mut() {
@@ -144,10 +143,8 @@ pub(super) fn read(
             if let Some(columns) = &columns.pose {
                 let numbers = pose.insert([0.0; 7]);
                 for (number, column) in numbers.iter_mut().zip(columns) {
-                    let cell = parsed(*column)?;
-                    *number = Some(cell)
-                        .filter(|cell| cell.abs() <= 1e3)
-                        .ok_or_else(|| wrong(*column, "a number up to 1000"))?;
+                    let cell = Some(parsed(*column)?).filter(|cell| cell.abs() <= 1e3);
+                    *number = cell.ok_or_else(|| wrong(*column, "a number up to 1000"))?;
                 }
                 let length = numbers[3..].iter().map(|number| number * number).sum::<f64>().sqrt();
                 if (length - 1.0).abs() > 0.01 {

@@ -37,17 +37,10 @@ pub(super) struct Cutter<'a> {
     done: Vec<Trial>,
     reach: Option<u64>,
     /// The current reach and those before it.
-    begun: BTreeSet<u64>,
+    pub(super) begun: BTreeSet<u64>,
     category: Option<String>,
     before_s: f64,
     pub(super) frames: usize,
-    pub(super) reaches: usize,
-}
-
-/// Room for rounding of differences of times, s. Times that count from 1970 are rounded by 1e-7 s, and once more if they are in
-/// whole nanoseconds.
-fn rounding_s(time_s: f64) -> f64 {
-    f64::max(1e-9, 4.0 * f64::EPSILON * time_s.abs())
 }
 
 /// The region of some taxels.
@@ -78,7 +71,6 @@ impl<'a> Cutter<'a> {
             category: None,
             before_s: f64::NEG_INFINITY,
             frames: 0,
-            reaches: 0,
         }
     }
 
@@ -103,7 +95,6 @@ impl<'a> Cutter<'a> {
             }
             self.end_contacts();
             self.reach = Some(reach);
-            self.reaches += 1;
             self.before_s = f64::NEG_INFINITY;
         }
         let category = Some(category).filter(|category| !category.is_empty());
@@ -156,15 +147,16 @@ impl<'a> Cutter<'a> {
                 taxels.iter().for_each(|taxel| regions[*taxel] = Some(region));
             }
         }
+        // Room for rounding of differences of times. Times that count from 1970 are rounded by 1e-7 s, and once more if they are
+        // in whole nanoseconds.
+        let gap_s = self.mapping.gap_s + f64::max(1e-9, 4.0 * f64::EPSILON * time_s.abs());
+        let over = |trial: &mut Trial| trial.samples.last().is_some_and(|last| time_s - last.time_s > gap_s);
         let mut longest = 0;
         for (taxel, region) in regions.into_iter().enumerate() {
-            let over = |trial: &Trial| {
-                trial.samples.last().is_some_and(|last| time_s - last.time_s > self.mapping.gap_s + rounding_s(time_s))
-            };
             let is_in_contact = self.in_contact[taxel];
             // A contact goes on without interruption, however far apart the frames are.
             if !is_in_contact || self.is_interrupted[taxel] {
-                let ended = self.open[taxel].take_if(|trial| over(trial));
+                let ended = self.open[taxel].take_if(over);
                 self.keep(ended);
             }
             self.is_interrupted[taxel] = !is_in_contact;

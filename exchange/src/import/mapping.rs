@@ -213,16 +213,14 @@ impl Mapping {
         let file: MappingFile = parse_toml(path, &text, "mapping", allowed)?;
         let trial = &file.trial;
         let threshold_n = trial.threshold_n.unwrap_or(0.03);
+        let grid = file.grid.as_ref();
+        let grid = grid.map(|own| Grid { rows: own.rows as usize, columns: own.columns as usize, wraps: own.wraps });
         let mut mapping = Mapping {
             path: path.to_path_buf(),
             text,
             per_second: 1.0,
             newton: (1.0, file.force.offset_n.unwrap_or(0.0)),
-            grid: (file.grid.as_ref()).map(|own| Grid {
-                rows: own.rows as usize,
-                columns: own.columns as usize,
-                wraps: own.wraps,
-            }),
+            grid,
             threshold_n,
             release_n: trial.release_n.unwrap_or(threshold_n),
             gap_s: trial.gap_s.unwrap_or(0.0),
@@ -289,23 +287,18 @@ impl Mapping {
                 return Err(self.fault(&field, format!("{:?} again", own.name), "one channel of each name"));
             }
         }
+        let span = |own: &Label| format!("{} to {}", short(own.from_s), short(own.to_s));
         let is_empty = |own: &Label| own.from_s.partial_cmp(&own.to_s) != Some(Ordering::Less);
         if let Some(number) = labels.iter().position(is_empty) {
-            let Label { from_s, to_s, .. } = labels[number];
-            let found = format!("{} to {}", short(from_s), short(to_s));
-            return Err(self.fault(&format!("label[{number}].to_s"), found, "a time after from_s"));
+            return Err(self.fault(&format!("label[{number}].to_s"), span(&labels[number]), "a time after from_s"));
         }
         for (number, own) in labels.iter().enumerate() {
             let overlaps =
                 |other: &&Label| other.reach == own.reach && other.from_s < own.to_s && own.from_s < other.to_s;
             if let Some(other) = labels[..number].iter().find(overlaps) {
-                let span = |label: &Label| format!("{} to {}", short(label.from_s), short(label.to_s));
                 let found = format!("{}, which overlaps {}", span(own), span(other));
-                return Err(self.fault(
-                    &format!("label[{number}].from_s"),
-                    found,
-                    "times that no other label of the reach has",
-                ));
+                let allowed = "times that no other label of the reach has";
+                return Err(self.fault(&format!("label[{number}].from_s"), found, allowed));
             }
         }
         if !labels.is_empty() && trial.category_from.is_some() {

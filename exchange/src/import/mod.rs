@@ -27,7 +27,7 @@ pub use mapping::{Mapping, mapping_schema};
 pub struct Imported {
     /// The trials.
     pub trials: Vec<Trial>,
-    /// The reaches as recordings, if they were asked for ([`import_recordings`]).
+    /// The reaches as recordings, if they were asked for.
     pub recordings: Vec<Recording>,
     /// Frames read.
     pub frames: usize,
@@ -37,10 +37,13 @@ pub struct Imported {
     pub warnings: Vec<String>,
 }
 
-/// Cuts trials from a CSV file.
+/// Cuts trials from a CSV file. With `with_recordings` it makes a recording of each reach, too, in which the labels take the place
+/// of ground truth. There may then be no trials.
 ///
 /// # Errors
-/// [`InputError`] if something in the mapping or the file is missing or not allowed, with its line, if no trial is found, and if the file cannot be read.
+/// [`InputError`] if something in the mapping or the file is missing or not allowed, with its line, if no trial is found, and if
+/// the file cannot be read. For recordings, also if the mapping does not say where the taxels are, or a frame with forces has no
+/// label.
 ///
 /// ```
 /// use underbrush_exchange::import::{Mapping, import};
@@ -53,26 +56,15 @@ pub struct Imported {
 /// // A palm of two taxels, in millinewtons. Only the second is touched, from 20 ms on.
 /// let log = file("log.csv", "ms,f0,f1\n10,0,0\n20,0,500\n30,0,700\n")?;
 /// let mapping = "[time]\nfrom = \"ms\"\nunit = \"ms\"\n[force]\nfrom = \"f{taxel}\"\ntaxels = 2\nunit = \"mN\"\n";
-/// let found = import(&log, &Mapping::load(&file("mapping.toml", mapping)?)?)?;
+/// let found = import(&log, &Mapping::load(&file("mapping.toml", mapping)?)?, false)?;
 /// assert_eq!((found.frames, found.trials.len()), (3, 1));
 /// let trial = &found.trials[0];
 /// assert_eq!((trial.taxel, trial.samples[1].time_s), (Some(1), 0.03));
 /// assert!((trial.samples[1].force_n - 0.7).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, InputError> {
-    imported(path, mapping, None)
-}
-
-/// As [`import`], and makes a recording of each reach, in which the labels take the place of ground truth. There may be no trials.
-///
-/// # Errors
-/// As [`import`]; and if the mapping does not say where the taxels are, or a frame with forces has no label.
-pub fn import_recordings(path: &Path, mapping: &Mapping) -> Result<Imported, InputError> {
-    imported(path, mapping, Some(Recorder::new(path, mapping)?))
-}
-
-fn imported(path: &Path, mapping: &Mapping, mut recorder: Option<Recorder>) -> Result<Imported, InputError> {
+pub fn import(path: &Path, mapping: &Mapping, with_recordings: bool) -> Result<Imported, InputError> {
+    let mut recorder = with_recordings.then(|| Recorder::new(path, mapping)).transpose()?;
     let mut cutter = Cutter::new(path, mapping);
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     if extension != "csv" {
@@ -98,7 +90,7 @@ fn imported(path: &Path, mapping: &Mapping, mut recorder: Option<Recorder>) -> R
     let (recordings, of_recordings) = recorder.map_or(Ok(Default::default()), Recorder::finish)?;
     let of_trials = single_samples(&trials).into_iter().chain(without_numbers(&trials, mapping));
     let warnings = mapping.unused_labels(&used_labels).into_iter().chain(of_trials).chain(of_recordings).collect();
-    Ok(Imported { trials, recordings, frames: cutter.frames, reaches: cutter.reaches, warnings })
+    Ok(Imported { trials, recordings, frames: cutter.frames, reaches: cutter.begun.len(), warnings })
 }
 
 /// A warning if half of the trials have a single sample: the force then varies about the threshold, or is raw.

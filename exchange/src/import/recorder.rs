@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use underbrush_recording::limits::{MAX_TAXELS, TEXT_BYTES, short};
 use underbrush_recording::math::median;
 use underbrush_recording::{
@@ -118,9 +118,8 @@ impl<'a> Recorder<'a> {
         };
         let taxels: Vec<TaxelReading> =
             (forces_n.enumerate().filter(|(_, force_n)| *force_n > 0.0).map(reading)).collect();
-        let pose = pose.map_or(Pose::IDENTITY, |[x, y, z, qx, qy, qz, qw]| {
-            Pose::new(DVec3::new(x, y, z), DQuat::from_xyzw(qx, qy, qz, qw).normalize())
-        });
+        let pose = pose.map_or(Pose::IDENTITY, |numbers| Pose::from_numbers(&numbers));
+        let pose = Pose { orientation: pose.orientation.normalize(), ..pose };
         if let Some(before) = reach.frames.last() {
             let way_m = before.end_effector_pose_world.position.distance(pose.position);
             let speed_m_per_s = way_m / (place.time_s - before.time_s);

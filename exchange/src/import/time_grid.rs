@@ -7,6 +7,7 @@ use underbrush_recording::limits::short;
 use underbrush_recording::math::{self, median};
 
 use super::mapping::RATE_HZ;
+use crate::straight_line;
 
 /// Frames that are missing for at most this long repeat the one before, s. A longer pause is no lost frame.
 const LONGEST_PAUSE_S: f64 = 1.0;
@@ -74,17 +75,6 @@ fn phase(times_s: &[f64], step_s: f64) -> f64 {
     apart.min_by(|a, b| last(a).total_cmp(&last(b))).or(phases.clone().next()).unwrap_or(0.0)
 }
 
-/// The straight line through times over places: time at place 0 and step, s.
-fn line(places: &[usize], times_s: &[f64]) -> [f64; 2] {
-    let count = places.len() as f64;
-    let middle = places.iter().map(|place| *place as f64).sum::<f64>() / count;
-    let middle_s = times_s.iter().sum::<f64>() / count;
-    let sums = places.iter().zip(times_s).map(|(place, time_s)| (*place as f64 - middle, time_s - middle_s));
-    let [over, squares] = sums.fold([0.0, 0.0], |sum, (x, y)| [sum[0] + x * y, sum[1] + x * x]);
-    let step_s = over / squares;
-    [middle_s - middle * step_s, step_s]
-}
-
 impl TimeGrid {
     /// The grid of ascending times, s. The step is the one that fits best, near that of the rate if one is given, and a frame is at
     /// the nearest place.
@@ -117,7 +107,9 @@ impl TimeGrid {
         for _ in 0..2 {
             places = times_s.iter().map(|time_s| ((time_s - start_s) / step_s).round() as usize).collect();
             if !is_certain {
-                [start_s, step_s] = line(&places, times_s);
+                let points = places.iter().map(|place| *place as f64).zip(times_s.iter().copied());
+                // The time at place 0 and the step.
+                [start_s, step_s] = straight_line(points);
             }
         }
         let off = |place: usize, time_s: f64| (time_s - start_s) / step_s - place as f64;

@@ -5,8 +5,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
-use crate::http::{Limits, serve};
-use crate::response::Response;
+use crate::http::{Limits, Response, serve};
 
 /// Limits that a test need not wait for.
 const LIMITS: Limits = Limits {

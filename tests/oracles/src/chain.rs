@@ -9,7 +9,7 @@
 
 use std::f64::consts::PI;
 
-use crate::elastica;
+use crate::beam::heights_under_tip_load;
 
 /// Nodes and weights of Gauss-Legendre quadrature on −1 to 1, the positive half: Abramowitz and Stegun, *Handbook of
 /// Mathematical Functions*, table 25.4.
@@ -75,7 +75,7 @@ pub fn arc_bending(angle_rad: f64) -> f64 {
 /// ∫ s (1 − s) κ² ds of a strip of unit length under a tip load; `load` is P L² / E I. Because κ′ = −load · cos θ, the
 /// curvature is the load times the remaining lever arm, load · (z(1) − z(s)), where z is the height above the clamp.
 pub fn tip_load_bending(load: f64) -> f64 {
-    let heights = elastica::heights_under_tip_load(load);
+    let heights = heights_under_tip_load(load);
     let spacing = 1.0 / (heights.len() - 1) as f64;
     let top = heights[heights.len() - 1];
     let part = |(index, height): (usize, &f64)| {
@@ -88,7 +88,7 @@ pub fn tip_load_bending(load: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::beam::beam_deflection_m;
+    use crate::beam::{beam_deflection_m, under_end_moment, under_tip_load};
     use approx::assert_relative_eq;
 
     /// Tests the table: n nodes integrate every power up to 2n − 1 over 0 to 1 to 1 / (power + 1).
@@ -162,7 +162,7 @@ mod tests {
         };
         for (load, count) in [(0.45, 8), (1.0, 8), (2.0, 8), (3.0, 8), (2.0, 4)] {
             let [sideways, shortening] = chain_in_equilibrium(load, count);
-            let exact = elastica::under_tip_load(load);
+            let exact = under_tip_load(load);
             let errors = [sideways - exact.sideways, shortening - exact.shortening];
             holds(errors, far_bending_error(tip_load_bending(load), count));
         }
@@ -175,7 +175,7 @@ mod tests {
                 x += length * f64::sin(slope);
                 z += length * f64::cos(slope);
             }
-            let exact = elastica::under_end_moment(angle);
+            let exact = under_end_moment(angle);
             let errors = [x - exact.sideways, 1.0 - z - exact.shortening];
             holds(errors, far_bending_error(arc_bending(angle), count));
         }

@@ -70,9 +70,7 @@ impl Layer {
 
     /// The pressure at a depth, Pa, by bisection.
     pub fn pressure_pa(&self, depth_m: f64) -> f64 {
-        let all = [0.0, self.ground_n_per_m3 * depth_m.max(0.0)];
-        let [low, high] = bisected(all, 100, |middle| self.depth_m(middle) < depth_m);
-        0.5 * (low + high)
+        bisected([0.0, self.ground_n_per_m3 * depth_m.max(0.0)], 100, |middle| self.depth_m(middle) < depth_m)
     }
 
     /// Force, N, of bodies whose gap grows as x²/2R₁ + y²/2R₂ and that overlap by `depth_m`: the region at which they overlap

@@ -5,23 +5,20 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | cantilevers under small loads; first frequency | [`beam`] |
+//! | cantilevers under small and large loads; first frequency | [`beam`] |
 //! | cantilevers as chains with hinges at Gauss-Legendre nodes | [`chain`] |
-//! | cantilevers under large loads | [`elastica`] |
 //! | damped oscillators, exact and under the θ-method | [`oscillator`] |
 //! | an elastic layer over a hard body (Winkler) | [`foundation`] |
 //! | foam: bars, sag, standard linear solids | [`foam`] |
 //! | friction on a slope, stiffnesses in series, cylinders that tip over | [`statics`] |
 //! | probability of a sequence as the sum over all paths | [`markov`] |
-//! | orders of convergence | [`order`] |
+//! | bisection; orders of convergence | [`numeric`] |
 
 pub mod beam;
 pub mod chain;
-pub mod elastica;
 pub mod foam;
 pub mod foundation;
 pub mod markov;
 pub mod numeric;
-pub mod order;
 pub mod oscillator;
 pub mod statics;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::numeric::bisected;
+use crate::numeric::halved;
 
 /// A damped oscillator with damping ratio below 1.
 ///
@@ -71,7 +71,7 @@ impl Oscillator {
         };
         let turning = (damped / decay).atan() / damped;
         let presses = |time: f64| place(time) + loss_time_s * velocity(time) > 0.0;
-        let [end, _] = bisected([turning, PI / damped], 60, presses);
+        let [end, _] = halved([turning, PI / damped], 60, presses);
         (place(turning), -velocity(end))
     }
 

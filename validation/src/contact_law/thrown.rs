@@ -3,7 +3,7 @@
 use glam::DVec3;
 use underbrush_oracles::{foundation, oscillator::Oscillator};
 use underbrush_sim::physics::PhysicsOptions;
-use underbrush_sim::simulation::test_rig::{BodyId, FreeBody, Rig};
+use underbrush_sim::simulation::test_rig::FreeBody;
 
 use super::{PUNCH_M, STIFFNESS_N_PER_M3, above, bodies, cuboid, on, soft};
 use crate::{Case, Comparison, Falsification, Found, Simulated};
@@ -36,11 +36,10 @@ fn rebound(simulated: Simulated) -> Found {
     let thrown = above(&punch, MASS_KG, soft(stiffness, loss_time_s), 0.07);
     let thrown = FreeBody { velocity_world: DVec3::NEG_Z * SPEED_M_PER_S, ..thrown };
     let (mut rig, punch) = on(WEIGHTLESS, &cuboid(DVec3::new(1.0, 1.0, 0.1)), &thrown)?;
-    let depth_m = |rig: &Rig, punch: BodyId| 0.07 - rig.pose_world(punch).position.z;
     let mut deepest_m = 0.0_f64;
     for _ in 0..1000 {
         rig.step();
-        deepest_m = deepest_m.max(depth_m(&rig, punch));
+        deepest_m = deepest_m.max(0.07 - rig.pose_world(punch).position.z);
     }
     let spring = STIFFNESS_N_PER_M3 * PUNCH_M * PUNCH_M;
     let exact = Oscillator::new(MASS_KG, spring, spring * LOSS_TIME_S);

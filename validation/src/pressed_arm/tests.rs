@@ -5,15 +5,13 @@ use underbrush_oracles::foundation;
 use underbrush_recording::Audit;
 use underbrush_sim::audit::Auditor;
 use underbrush_sim::audit::energy::EnergyBalance;
-use underbrush_sim::object::trunk::Trunk;
 use underbrush_sim::simulation::TactileFrame;
 
 use super::*;
 
 /// The arm with an object beside its forearm.
 fn beside(object: Box<dyn Object>, gap_m: f64, physics: PhysicsOptions) -> PressedArm {
-    let arm = Arm::cody().unwrap();
-    PressedArm::new(arm.clone(), arm, Beside::facing(object, gap_m, 0.3), physics).unwrap()
+    PressedArm::new(Beside::facing(object, gap_m, 0.3), physics, |_| {}).unwrap()
 }
 
 /// The arm pressed for `seconds` on one object by equilibrium angles that would press with `force_n` (N) if nothing
@@ -35,7 +33,7 @@ fn largest_force_n(tactile: &TactileFrame) -> f64 {
 }
 
 fn trunk() -> Box<dyn Object> {
-    Box::new(Trunk { diameter_m: 0.03, height_m: 0.6 })
+    Beside::trunk().object
 }
 
 /// Tests that contact forces balance the joints' springs, K (φ − q) = −Σ Jᵀ f, to 1e-3 once the arm is at rest, and
@@ -117,18 +115,7 @@ fn a_bare_upper_arm_in_a_trunk_meets_its_shell() {
 /// the trunk's.
 #[test]
 fn a_leaf_pushes_back_less_than_a_trunk() {
-    let leaf = Leaf {
-        height_m: 0.4,
-        width_m: 0.03,
-        flexural_rigidity_n_m2: 0.02,
-        torsion_over_bending: SHEET_TORSION_OVER_BENDING,
-        mass_per_area_kg_per_m2: 0.8,
-        loss_factor: 0.1,
-        yield_moment_nm: None,
-        grip: None,
-        root_stiffness_nm_per_rad: Some(2.0),
-        segments: 8,
-    };
+    let leaf = Leaf { loss_factor: 0.1, segments: 8, ..LEAF };
     let (soft, ..) = press(Box::new(leaf), 0.005, 6.0, 4.0);
     let (hard, ..) = press(trunk(), 0.017, 6.0, 4.0);
     let [soft, hard] = [soft, hard].map(|pressed| largest_force_n(&pressed.report().tactile));

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use underbrush_recording::{InputError, Trial};
 
-use super::{Imported, Mapping, import, import_recordings};
+use super::{Imported, Mapping, import};
 
 /// A file in the folder with the tests' temporary files, and the folder, which is removed when dropped.
 fn file(name: &str) -> (tempfile::TempDir, PathBuf) {
@@ -26,7 +26,7 @@ fn written(path: &Path, text: &str) -> PathBuf {
 /// Imports with the text of a mapping.
 fn imported(path: &Path, mapping: &str) -> Result<Imported, InputError> {
     let mapping = written(&path.with_extension("toml"), mapping);
-    import(path, &Mapping::load(&mapping)?)
+    import(path, &Mapping::load(&mapping)?, false)
 }
 
 #[track_caller]

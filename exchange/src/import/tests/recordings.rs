@@ -24,7 +24,7 @@ fn recorded(log: &str, taxels: &str, mapping: &str) -> Result<Imported, InputErr
     let (folder, path) = file("log.csv");
     written(&folder.path().join("taxels.csv"), taxels);
     let mapping = Mapping::load(&written(&path.with_extension("toml"), mapping))?;
-    import_recordings(&written(&path, log), &mapping)
+    import(&written(&path, log), &mapping, true)
 }
 
 /// Tests that each reach becomes a recording that files can hold: taxels and poses of the log, times from 0, labels as objects,
