@@ -31,9 +31,7 @@ pub struct Knot {
 impl Blade {
     /// Adds a body to the blade that ends where it begins, or begins a blade with it; false if it is no piece of a blade.
     pub fn join(blades: &mut Vec<Blade>, parts: &[BodyPart], pose_world: &Pose) -> bool {
-        let Some(size_m) = blade_piece(parts) else {
-            return false;
-        };
+        let Some(size_m) = blade_piece(parts) else { return false };
         let piece = BladePiece { pose_world: *pose_world, length_m: size_m.z };
         match blades.last_mut().filter(|blade| blade.ends_at(pose_world.position)) {
             Some(blade) => blade.pieces.push(piece),
@@ -55,19 +53,18 @@ impl Blade {
             let turned = |piece: usize| pieces[piece].pose_world.orientation * axis;
             (turned(index.saturating_sub(1)) + turned(index.min(pieces.len() - 1))).normalize_or_zero()
         };
-        (0..=pieces.len())
-            .map(|index| {
-                let at_tip = index == pieces.len();
-                let piece = &pieces[index.min(pieces.len() - 1)];
-                let length_m = if at_tip { piece.length_m } else { 0.0 };
-                let width = if at_tip { TIP } else { 1.0 };
-                Knot {
-                    position_world: piece.pose_world.transform_point(DVec3::Z * length_m),
-                    tangent_world: mean(index, DVec3::Z),
-                    half_world: mean(index, DVec3::Y) * (width * self.width_m / 2.0),
-                }
-            })
-            .collect()
+        let knot = |index: usize| {
+            let at_tip = index == pieces.len();
+            let piece = &pieces[index.min(pieces.len() - 1)];
+            let length_m = if at_tip { piece.length_m } else { 0.0 };
+            let width = if at_tip { TIP } else { 1.0 };
+            Knot {
+                position_world: piece.pose_world.transform_point(DVec3::Z * length_m),
+                tangent_world: mean(index, DVec3::Z),
+                half_world: mean(index, DVec3::Y) * (width * self.width_m / 2.0),
+            }
+        };
+        (0..=pieces.len()).map(knot).collect()
     }
 }
 
@@ -83,9 +80,7 @@ pub struct BladePiece {
 /// The size of a piece of a blade: one thin box that begins at its hinge and stands along z.
 fn blade_piece(parts: &[BodyPart]) -> Option<DVec3> {
     let [part] = parts else { return None };
-    let BodyShape::Box { size_m } = part.shape else {
-        return None;
-    };
+    let BodyShape::Box { size_m } = part.shape else { return None };
     let at_hinge = part.pose_body.position.abs_diff_eq(DVec3::Z * size_m.z / 2.0, 1e-9);
     (size_m.x < 0.2 * size_m.y && at_hinge).then_some(size_m)
 }

@@ -2,18 +2,15 @@
 
 use underbrush_recording::{Body, BodyOwner, BodyPart, Pose};
 
-use crate::arm::{Arm, Link};
+use crate::arm::{Arm, Link, LinkCollider};
 use crate::simulation::{FrameReport, Simulation};
 
 /// The links of an arm at these poses.
 pub fn link_bodies(arm: &Arm, poses_world: &[Pose]) -> Vec<Body> {
+    let part = |own: &LinkCollider| BodyPart { shape: own.shape.clone(), pose_body: own.pose_link };
     let body = |(link, pose): (&Link, &Pose)| Body {
         owner: BodyOwner::Link(link.name.clone()),
-        parts: link
-            .colliders
-            .iter()
-            .map(|part| BodyPart { shape: part.shape.clone(), pose_body: part.pose_link })
-            .collect(),
+        parts: link.colliders.iter().map(part).collect(),
         rest_pose_world: *pose,
         track: Vec::new(),
     };

@@ -67,8 +67,20 @@ pub fn within_cones(carriers: &mut [Carrier], friction: f64, total: DVec3) -> bo
     if diverges(&found) && !is_minimum(&found) {
         return false;
     }
-    let multiplier = found.multiplier;
-    settle(carriers, friction, multiplier, total)
+    // The forces that the multiplier gives are accepted if they add up.
+    let force = |carrier: &Carrier| project(carrier, friction, found.multiplier).0;
+    let rest = total - carriers.iter().map(force).sum::<DVec3>();
+    if rest.length() > 1e-10 * total.length() {
+        return false;
+    }
+    for carrier in carriers.iter_mut() {
+        carrier.force = force(carrier);
+    }
+    // The rest is far below the tolerance of the cones; the taxel with the largest force takes it.
+    if let Some(strongest) = carriers.iter_mut().max_by(|a, b| a.force.length().total_cmp(&b.force.length())) {
+        strongest.force += rest;
+    }
+    true
 }
 
 /// A multiplier λ, with the value and the gradient of the function there.
@@ -80,23 +92,6 @@ struct State {
 
 /// Limit of the Newton steps: several times as many as a solution needs.
 const NEWTON_STEPS: usize = 60;
-
-/// Accepts the forces that a multiplier gives, if they add up.
-fn settle(carriers: &mut [Carrier], friction: f64, multiplier: DVec3, total: DVec3) -> bool {
-    let sum: DVec3 = carriers.iter().map(|carrier| project(carrier, friction, multiplier).0).sum();
-    let rest = total - sum;
-    if rest.length() > 1e-10 * total.length() {
-        return false;
-    }
-    for carrier in carriers.iter_mut() {
-        carrier.force = project(carrier, friction, multiplier).0;
-    }
-    // The rest is far below the tolerance of the cones; the taxel with the largest force takes it.
-    if let Some(strongest) = carriers.iter_mut().max_by(|a, b| a.force.length().total_cmp(&b.force.length())) {
-        strongest.force += rest;
-    }
-    true
-}
 
 /// The point of a carrier's cone nearest to f⁰ + w λ, and the derivative of this projection.
 fn project(carrier: &Carrier, friction: f64, multiplier: DVec3) -> (DVec3, DMat3) {

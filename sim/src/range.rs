@@ -1,20 +1,26 @@
-//! The numbers of a scene file: each fixed, or a range to draw from.
+//! The numbers of a scene file, each fixed or a range to draw from, where a group of objects may stand, and options with their
+//! defaults and limits.
 
 use std::fmt;
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Uniform};
+use schemars::JsonSchema;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use underbrush_recording::{Limits, short};
 
 use crate::seed::standard_normals;
 
-mod placement;
 mod schema;
 
-pub use placement::{PLACE_M, Placement, YAW_DEG};
 pub use schema::{Within, schema_within};
+
+/// Coordinates of objects, goals and the workspace, in the frame of the arm's base: the longest arms reach 3 to 4 m.
+pub const PLACE_M: Limits = Limits::new(-5.0, 5.0, "m");
+
+/// Rotation about the vertical: a full revolution in either direction.
+pub const YAW_DEG: Limits = Limits::new(-360.0, 360.0, "deg");
 
 /// A number as `0.3`, `{ uniform = [low, high] }` or `{ normal = [mean, standard_deviation] }`.
 ///
@@ -78,26 +84,53 @@ pub struct Limited {
     pub limits: Limits,
 }
 
-/// How often something of several quantities is drawn again if it is not possible.
-const REDRAWS: usize = 100;
+/// A number with its key and its limits.
+pub(crate) type Number = (&'static str, f64, Limits);
 
-/// Draws until `is_possible` holds.
-///
-/// # Errors
-/// That of a draw, or `refusal` of the last one if none of about a hundred is possible.
-pub fn draw_possible<T>(
-    mut draw: impl FnMut() -> Result<T, DrawError>,
-    is_possible: impl Fn(&T) -> bool,
-    refusal: impl FnOnce(&T) -> DrawError,
-) -> Result<T, DrawError> {
-    let mut drawn = draw()?;
-    for _ in 0..REDRAWS {
-        if is_possible(&drawn) {
-            return Ok(drawn);
+/// Declares options that a file may set, each once: `key: type = default;`, or `key: type = default, limits;` for a number within
+/// limits. Makes the struct, with the limits in its schema, its defaults, and the list of its numbers.
+macro_rules! options {
+    ($(#[$attribute:meta])* pub struct $options:ident {
+        $($(#[$of_field:meta])* $name:ident: $type:ty = $default:expr $(, $limits:expr)?;)+
+    }) => {
+        $(#[$attribute])*
+        pub struct $options {
+            $(
+                $(#[$of_field])*
+                $(#[schemars(transform = $crate::range::Within($limits))])?
+                pub $name: $type,
+            )+
         }
-        drawn = draw()?;
-    }
-    Err(refusal(&drawn))
+
+        impl Default for $options {
+            fn default() -> Self {
+                $options { $($name: $default,)+ }
+            }
+        }
+
+        impl $options {
+            /// The numbers with their keys and limits.
+            pub(crate) fn numbers(&self) -> Vec<$crate::range::Number> {
+                vec![$($((stringify!($name), f64::from(self.$name), $limits),)?)+]
+            }
+        }
+    };
+}
+pub(crate) use options;
+
+/// Where the objects of one group may stand; the coordinates are those of their feet.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Placement {
+    /// Coordinate x (forward), m, world frame; anywhere in the workspace if not given.
+    #[schemars(transform = Within(PLACE_M))]
+    pub x_m: Option<Draw>,
+    /// Coordinate y (left), m, world frame; anywhere in the workspace if not given.
+    #[schemars(transform = Within(PLACE_M))]
+    pub y_m: Option<Draw>,
+    /// Rotation about the vertical, degrees; any if not given.
+    #[schemars(transform = Within(YAW_DEG))]
+    pub yaw_deg: Option<Draw>,
 }
 
 /// A truncated normal draw is given up after this many attempts; the accepted share is then below about 0.5 %.

@@ -249,13 +249,9 @@ impl SkinPatch {
     /// The sub-points of the taxels near these contacts, with their indices.
     fn nearby<'a>(&'a self, contacts: &'a [ContactPoint]) -> impl Iterator<Item = (usize, &'a SurfacePoint)> {
         let count = self.points_per_taxel();
-        self.sub_points
-            .chunks_exact(count)
-            .zip(&self.centers_link)
-            .zip(&self.corners_m)
-            .enumerate()
-            .filter(|(_, ((_, center), corner_m))| near_contacts(**center, **corner_m, contacts))
-            .flat_map(move |(taxel, ((points, _), _))| (taxel * count..).zip(points))
+        let taxels = self.sub_points.chunks_exact(count).zip(&self.centers_link).zip(&self.corners_m).enumerate();
+        let near = taxels.filter(|(_, ((_, center), corner_m))| near_contacts(**center, **corner_m, contacts));
+        near.flat_map(move |(taxel, ((points, _), _))| (taxel * count..).zip(points))
     }
 
     /// All taxels have the same number of sub-points.

@@ -181,14 +181,8 @@ fn grid(arm: &Arm, link: usize, collider: &LinkCollider, new: &NewPatch) -> Resu
         let normal = glam::DQuat::from_axis_angle(axis, (column as f64 * step_deg).to_radians()) * zero;
         Place { position: collider.pose_link.position + axis * along_m(row) + normal * radius_m, normal }
     };
-    let places: Vec<Place> = (0..rows)
-        .flat_map(|row| (0..columns).map(move |column| (row, column)))
-        .map(|(row, column)| place(row, column))
-        .collect();
-    let covered = covered(arm, link, &places);
-    if !new.prune {
-        listed(&covered)?;
-    }
+    let places: Vec<Place> = (0..rows * columns).map(|taxel| place(taxel / columns, taxel % columns)).collect();
+    let covered = covered(arm, link, &places, new)?;
     // The longest run of rows that can be felt all round.
     let free: Vec<bool> =
         (0..rows).map(|row| covered[row * columns..(row + 1) * columns].iter().all(Option::is_none)).collect();
@@ -228,11 +222,8 @@ fn points(arm: &Arm, link: usize, new: &NewPatch) -> Result<(String, usize), Str
     let mut picked = Spread { least_m: LEAST_SHARE * new.pitch_m, cells: HashMap::new(), places: Vec::new() };
     // Pruned before they are spread, so that they do not keep others away.
     candidates.filter(|place| !new.prune || own.is_open(place)).for_each(|place| picked.add(place));
-    let covered = covered(arm, link, &picked.places);
+    let covered = covered(arm, link, &picked.places, new)?;
     let left_out = covered.iter().flatten().count();
-    if !new.prune {
-        listed(&covered)?;
-    }
     let limits = [LEAST_SHARE * LEAST_SHARE, 1.0].map(|share| share * new.pitch_m * new.pitch_m);
     let mut text = head(new, &format!("taxels at least {LEAST_SHARE} pitches apart, all over the link"));
     let _ = writeln!(text, "[patch.points]\nderived_area_limits_m2 = [{:?}, {:?}]\ntaxels = [", limits[0], limits[1]);
@@ -318,8 +309,8 @@ impl Surface {
 }
 
 /// For each place the link whose shapes cover it: its own, or another one that does so in the start posture and with all
-/// joints at the lower or at the upper end of the controller's limits.
-fn covered<'a>(arm: &'a Arm, link: usize, places: &[Place]) -> Vec<Option<&'a str>> {
+/// joints at the lower or at the upper end of the controller's limits. An error if there are some and none may be left out.
+fn covered<'a>(arm: &'a Arm, link: usize, places: &[Place], new: &NewPatch) -> Result<Vec<Option<&'a str>>, String> {
     let end = |end: usize| arm.joints.iter().map(|joint| joint.controller_limits_rad[end]).collect::<Vec<f64>>();
     let poses = [arm.start_posture_rad(), end(0), end(1)].map(|posture| arm.forward_kinematics(&posture));
     let surfaces: Vec<Surface> = arm.links.iter().map(Surface::of).collect();
@@ -331,11 +322,14 @@ fn covered<'a>(arm: &'a Arm, link: usize, places: &[Place]) -> Vec<Option<&'a st
         }),
     };
     let coverer = |place: &Place| (0..surfaces.len()).find(|other| covers(*other, place));
-    places.iter().map(|place| coverer(place).map(|other| arm.links[other].name.as_str())).collect()
+    let name = |place: &Place| coverer(place).map(|other| arm.links[other].name.as_str());
+    let covered: Vec<_> = places.iter().map(name).collect();
+    let is_fit = new.prune || covered.iter().all(Option::is_none);
+    if is_fit { Ok(covered) } else { Err(listed(&covered)) }
 }
 
-/// All taxels that nothing can touch, by what covers them; an error if there are some.
-fn listed(covered: &[Option<&str>]) -> Result<(), String> {
+/// All taxels that nothing can touch, by what covers them.
+fn listed(covered: &[Option<&str>]) -> String {
     let mut by_link: Vec<(&str, Vec<usize>)> = Vec::new();
     for (taxel, link) in covered.iter().enumerate() {
         let Some(link) = link else { continue };
@@ -347,10 +341,7 @@ fn listed(covered: &[Option<&str>]) -> Result<(), String> {
     let count: usize = by_link.iter().map(|(_, taxels)| taxels.len()).sum();
     let list = |(link, taxels): &(&str, Vec<usize>)| format!("{} inside of {link} ({})", taxels.len(), runs(taxels));
     let lists = by_link.iter().map(list).collect::<Vec<_>>().join("; ");
-    match count {
-        0 => Ok(()),
-        _ => Err(format!("{count} of {} taxels cannot be touched: {lists}", covered.len())),
-    }
+    format!("{count} of {} taxels cannot be touched: {lists}", covered.len())
 }
 
 /// Ascending numbers, with a dash for those that follow each other: `3-7, 9`.

@@ -6,11 +6,11 @@ use std::path::Path;
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::Deserialize;
-use underbrush_recording::{BodyShape, InputError, PLAIN, is_plain, short};
+use underbrush_recording::{BodyShape, InputError, PLAIN, is_plain, parse_toml, short};
 
 use super::inertia::{self, Entries};
-use super::passing::passing_links;
 use super::source::{Source, listed};
+use super::start::passing_links;
 use super::urdf::{Chain, ChainJoint, Said, read_chain};
 use super::{Arm, ArmSource, Joint, LinkCollider, limits, skin_file};
 use crate::geometry::MAX_CORNERS;
@@ -120,7 +120,8 @@ struct HullTable {
 pub(super) fn assemble(path: &Path, read: &dyn Fn(&Path) -> Result<String, InputError>) -> Result<Arm, InputError> {
     let open = |path: &Path| Ok(Source { path: path.to_path_buf(), text: read(path)? });
     let source = open(path)?;
-    let file: ArmFile = source.toml("the keys of an arm file, such as that of `cody`, which ships with underbrush")?;
+    let allowed = "the keys of an arm file, such as that of `cody`, which ships with underbrush";
+    let file: ArmFile = parse_toml(path, &source.text, "TOML", allowed)?;
     if !is_plain(&file.name) {
         return Err(source.fault_at("name", format!("{:?}", file.name), PLAIN));
     }
@@ -136,7 +137,9 @@ pub(super) fn assemble(path: &Path, read: &dyn Fn(&Path) -> Result<String, Input
     }
     let (end_effector_link, end_effector_pose_link) = chain.frame(&source, "tip_link", &file.tip_link)?;
     if end_effector_link + 1 != chain.links.len() {
-        let allowed = format!("the last moving link or one that is fixed to it: {}", chain.links_at_end());
+        let at_end = chain.frames.iter().filter(|(_, (link, _))| link + 1 == chain.links.len());
+        let names: Vec<&str> = at_end.map(|(name, _)| name.as_str()).collect();
+        let allowed = format!("the last moving link or one that is fixed to it: {}", names.join(", "));
         return Err(source.fault_at("tip_link", &file.tip_link, allowed));
     }
     let passing = read_passing_links(&source, &file.passing_links, &chain)?;

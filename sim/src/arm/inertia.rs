@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, SymmetricEigen};
 
 use super::limits::INERTIA_KG_M2;
+use super::source::significant;
 use super::urdf_text::{Element, number};
 
 /// The entries ixx, ixy, ixz, iyy, iyz and izz of a URDF's `<inertia>`, kg m².
@@ -46,7 +47,7 @@ pub(super) fn raised(entries: Entries) -> Option<(Entries, f64)> {
     let new = own + (Matrix3::identity() - axis * axis.transpose()) * (largest - rest) / 2.0;
     let [xx, xy, xz, yy, yz, zz] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|place| new[place]);
     // Six digits are more than any of the data have.
-    let new = [xx, xy, xz, yy, yz, zz].map(|entry| format!("{entry:.5e}").parse().unwrap_or(entry));
+    let new = [xx, xy, xz, yy, yz, zz].map(|entry| significant(entry, 6));
     (largest > rest && fault(new).is_none()).then_some((new, largest / rest - 1.0))
 }
 

@@ -69,9 +69,8 @@ fn binary_stl(bytes: &[u8]) -> Option<Vec<Triangle>> {
 fn text_stl(text: &str) -> Option<Vec<Triangle>> {
     let corners = text.lines().filter_map(|line| line.trim_start().strip_prefix("vertex"));
     let corners: Vec<DVec3> = corners.map(|line| place(line.split_whitespace())).collect::<Option<_>>()?;
-    text.trim_start()
-        .starts_with("solid")
-        .then(|| corners.chunks_exact(3).map(|own| [own[0], own[1], own[2]]).collect())
+    let is_stl = text.trim_start().starts_with("solid");
+    is_stl.then(|| corners.chunks_exact(3).map(|own| [own[0], own[1], own[2]]).collect())
 }
 
 fn obj(text: &str) -> Option<Vec<Triangle>> {

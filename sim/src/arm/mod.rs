@@ -14,18 +14,15 @@ use underbrush_recording::{BodyShape, InputError, Pose, SkinLayout};
 use crate::contact::surface::Surface;
 use crate::geometry::{PlacedShape, engine_shape};
 
-mod at_start;
 pub mod cover;
 mod file;
 mod hulls;
 mod inertia;
-mod inverse;
 pub mod kinematics;
 pub(crate) mod limits;
 pub mod mesh;
 pub mod new;
 mod new_text;
-mod passing;
 pub mod skin;
 mod skin_file;
 mod skin_fit;
@@ -35,8 +32,8 @@ mod urdf;
 mod urdf_text;
 pub mod wedge;
 
-pub use at_start::{ArmAtStart, SkinAlongArm};
 pub use skin::Skin;
+pub use start::{ArmAtStart, SkinAlongArm};
 
 /// A serial arm. Its base link is fixed, and the base link's frame is the world frame.
 ///

@@ -12,10 +12,9 @@ use super::hulls::{MeshHull, hulls};
 use super::inertia::{self, Entries};
 use super::mesh::read_triangles;
 use super::new_text::{
-    RULES, controller_limits_deg, held_tables, inertia_tables, joint_table, scene_text, skin_text,
-    stiffness_nm_per_rad, two_digits,
+    RULES, controller_limits_deg, held_tables, inertia_tables, joint_table, scene_text, skin_text, stiffness_nm_per_rad,
 };
-use super::source::{Source, read_from_disk};
+use super::source::{Source, read_from_disk, significant};
 use super::start::Room;
 use super::urdf::{Joint, Said, child, mesh, origin_pose, read_chain, text};
 use super::urdf_text::{Element, Elements, attribute, named, number, numbers};
@@ -116,7 +115,7 @@ pub fn new_files(new: &NewArm) -> Result<NewFiles, InputError> {
     let arm = assembled(&file(&joints))?;
     let room = Room::of(&arm);
     if room.reach_m < LEAST_REACH_M {
-        let found = format!("a reach of {} m from the second joint to the tip", short(two_digits(room.reach_m)));
+        let found = format!("a reach of {} m from the second joint to the tip", short(significant(room.reach_m, 2)));
         let allowed = format!("at least {LEAST_REACH_M} m, because trunks have no room around a smaller arm");
         return Err(source.fault("--tip", found, allowed, "correct the lengths in the URDF, which are in metres"));
     }
@@ -137,7 +136,7 @@ pub fn new_files(new: &NewArm) -> Result<NewFiles, InputError> {
     }.to_owned();
     for (number, joint) in chain.joints.iter().enumerate() {
         let stiffness = stiffness_nm_per_rad(joint);
-        let damping = two_digits(2.0 * (stiffness * inertia[(number, number)]).sqrt());
+        let damping = significant(2.0 * (stiffness * inertia[(number, number)]).sqrt(), 2);
         joints += &joint_table(joint, &limits_deg[number], start_deg[number], [stiffness, damping]);
     }
     let arm_file = file(&joints);

@@ -6,6 +6,7 @@ use std::path::Path;
 use underbrush_recording::limits::short;
 
 use super::inertia::Entries;
+use super::source::significant;
 use super::start::Room;
 use super::urdf::{ChainJoint, Joint, child};
 
@@ -30,7 +31,8 @@ fn half_range_rad(joint: &ChainJoint) -> f64 {
 }
 
 pub(super) fn stiffness_nm_per_rad(joint: &ChainJoint) -> f64 {
-    two_digits((joint.torque_limit_nm / half_range_rad(joint).min(FRAC_PI_2)).min(MAX_STIFFNESS_NM_PER_RAD))
+    let strong = joint.torque_limit_nm / half_range_rad(joint).min(FRAC_PI_2);
+    significant(strong.min(MAX_STIFFNESS_NM_PER_RAD), 2)
 }
 
 pub(super) fn controller_limits_deg(joint: &ChainJoint) -> [f64; 2] {
@@ -41,10 +43,6 @@ pub(super) fn controller_limits_deg(joint: &ChainJoint) -> [f64; 2] {
     let [low, high] = joint.limits_rad.map(f64::to_degrees);
     // Rounded inwards to 0.01 deg.
     [((low + margin_deg) * 100.0).ceil() / 100.0, ((high - margin_deg) * 100.0).floor() / 100.0]
-}
-
-pub(super) fn two_digits(value: f64) -> f64 {
-    format!("{value:.1e}").parse().unwrap_or(value)
 }
 
 pub(super) fn joint_table(

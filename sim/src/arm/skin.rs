@@ -70,9 +70,7 @@ impl Skin {
         let surface = self.surfaces.get(patch);
         let number = taxel;
         let taxel = self.layout.patches.get(patch).and_then(|patch| patch.taxels.get(number));
-        let (Some(surface), Some(taxel)) = (surface, taxel) else {
-            return Vec::new();
-        };
+        let (Some(surface), Some(taxel)) = (surface, taxel) else { return Vec::new() };
         let second_tangent = taxel.normal_link.cross(taxel.tangent_link);
         let side_m = taxel.area_m2.sqrt();
         let gaps = self.gaps_m(patch, number, side_m).filter(|_| surface.gap_share < 1.0);
@@ -150,12 +148,8 @@ pub fn reach_m(taxels: &[Taxel]) -> f64 {
         others.map(|(_, other)| other.position_link.distance(taxels[index].position_link)).fold(f64::INFINITY, f64::min)
     };
     let farthest_corner_m = taxels.iter().map(corner_m).fold(0.0, f64::max);
-    (0..taxels.len())
-        .map(nearest)
-        .filter(|distance| distance.is_finite())
-        .fold(0.0, f64::max)
-        .min(MAX_REACH_M)
-        .max(farthest_corner_m)
+    let distances_m = (0..taxels.len()).map(nearest).filter(|distance| distance.is_finite());
+    distances_m.fold(0.0, f64::max).min(MAX_REACH_M).max(farthest_corner_m)
 }
 
 /// Distance of the corners of a square taxel from its centre, m.

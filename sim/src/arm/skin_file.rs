@@ -4,7 +4,7 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use underbrush_recording::limits::{MAX_PATCHES, MAX_TAXELS, short};
-use underbrush_recording::{Grid, InputError, PLAIN, Patch, SkinLayout, Taxel, is_plain, math};
+use underbrush_recording::{Grid, InputError, PLAIN, Patch, SkinLayout, Taxel, is_plain, math, parse_toml};
 
 use super::skin::{PatchSurface, Skin, Technology};
 use super::source::{Source, listed};
@@ -132,15 +132,15 @@ struct TaxelTable {
 /// file names.
 pub(super) fn read_layout(source: &Source) -> Result<SkinLayout, InputError> {
     let mut layout = SkinLayout::default();
-    for (number, table) in read_file(source)?.patch.into_iter().enumerate() {
-        let PatchTaxels { grid, taxels, .. } = patch_taxels(source, &format!("patch[{number}]"), &table, &layout)?;
-        layout.patches.push(Patch { name: table.name, link: table.link, grid, taxels });
+    for (number, table) in read_file(source)?.patch.iter().enumerate() {
+        layout.patches.push(read_patch(source, &format!("patch[{number}]"), table, &layout)?);
     }
     Ok(layout)
 }
 
 fn read_file(source: &Source) -> Result<SkinFile, InputError> {
-    let file: SkinFile = source.toml("the keys of a skin file, such as that of `cody`, which ships with underbrush")?;
+    let allowed = "the keys of a skin file, such as that of `cody`, which ships with underbrush";
+    let file: SkinFile = parse_toml(&source.path, &source.text, "TOML", allowed)?;
     source.check("stiffness_n_per_m3", file.stiffness_n_per_m3, limits::SKIN_N_PER_M3)?;
     if let Some(thickness_m) = file.thickness_m {
         source.check("thickness_m", thickness_m, limits::LAYER_M)?;
@@ -153,22 +153,9 @@ fn read_file(source: &Source) -> Result<SkinFile, InputError> {
     Ok(file)
 }
 
-/// A patch as described by its table.
-struct PatchTaxels {
-    /// Radius of their cylinder, m; `None` for flat taxels.
-    radius_m: Option<f64>,
-    grid: Option<Grid>,
-    taxels: Vec<Taxel>,
-}
-
-/// Reads the taxels of the patch at `place` of the file, in the frame that the file names. The patch's name must differ from
+/// Reads the patch at `place` of the file, in the frame of the link that the file names. The patch's name must differ from
 /// those of `earlier` patches.
-fn patch_taxels(
-    source: &Source,
-    place: &str,
-    table: &PatchTable,
-    earlier: &SkinLayout,
-) -> Result<PatchTaxels, InputError> {
+fn read_patch(source: &Source, place: &str, table: &PatchTable, earlier: &SkinLayout) -> Result<Patch, InputError> {
     let wrong_name = |allowed| Err(source.fault_at(&format!("{place}.name"), format!("{:?}", table.name), allowed));
     // Columns are named after patches, and LeRobot reads a "/" in a name as part of a path.
     if table.name.is_empty() || table.name.contains('/') || earlier.patch_index(&table.name).is_some() {
@@ -177,7 +164,7 @@ fn patch_taxels(
     if !is_plain(&table.name) {
         return wrong_name(PLAIN);
     }
-    let patch = match (&table.cylinder, &table.points) {
+    let taxels = match (&table.cylinder, &table.points) {
         (Some(cylinder), None) => cylinder_taxels(source, &format!("{place}.cylinder"), cylinder)?,
         (None, Some(points)) => point_taxels(source, &format!("{place}.points"), points)?,
         _ => {
@@ -185,12 +172,14 @@ fn patch_taxels(
             return Err(source.fault_at(place, format!("both or none in {:?}", table.name), allowed));
         }
     };
-    let count = earlier.taxel_count() + patch.taxels.len();
+    let count = earlier.taxel_count() + taxels.len();
     if !(1..=MAX_TAXELS).contains(&count) {
         let allowed = format!("1 to {MAX_TAXELS} taxels on all patches together");
         return Err(source.fault_at(place, format!("{count} taxels"), allowed));
     }
-    Ok(patch)
+    let grid = |own: &CylinderTable| Grid { rows: own.rows, columns: own.column_angles_deg.len(), wraps: own.wraps };
+    let grid = table.cylinder.as_ref().map(grid);
+    Ok(Patch { name: table.name.clone(), link: table.link.clone(), grid, taxels })
 }
 
 /// Reads the skin file of an arm with this chain.
@@ -206,22 +195,27 @@ pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputErr
     for (number, table) in file.patch.iter().enumerate() {
         let place = format!("patch[{number}]");
         let (link, pose) = chain.frame(source, &format!("{place}.link"), &table.link)?;
-        let PatchTaxels { radius_m, grid, mut taxels } = patch_taxels(source, &place, table, &skin.layout)?;
-        for taxel in &mut taxels {
+        let mut patch = read_patch(source, &place, table, &skin.layout)?;
+        patch.link.clone_from(&chain.links[link].name);
+        for taxel in &mut patch.taxels {
             taxel.position_link = pose.transform_point(taxel.position_link);
             taxel.normal_link = pose.orientation * taxel.normal_link;
             taxel.tangent_link = pose.orientation * taxel.tangent_link;
         }
-        let patch = Patch { name: table.name.clone(), link: chain.links[link].name.clone(), grid, taxels };
         skin_fit::check(source, &place, &patch, &chain.links[link])?;
         skin.layout.patches.push(patch);
-        let gap_share = table.cylinder.as_ref().map_or(1.0, |cylinder| cylinder.gap_share);
-        skin.surfaces.push(PatchSurface { link, radius_m, technology: table.technology, gap_share });
+        let cylinder = table.cylinder.as_ref();
+        skin.surfaces.push(PatchSurface {
+            link,
+            radius_m: cylinder.map(|cylinder| cylinder.radius_m),
+            technology: table.technology,
+            gap_share: cylinder.map_or(1.0, |cylinder| cylinder.gap_share),
+        });
     }
     Ok(skin)
 }
 
-fn cylinder_taxels(source: &Source, place: &str, table: &CylinderTable) -> Result<PatchTaxels, InputError> {
+fn cylinder_taxels(source: &Source, place: &str, table: &CylinderTable) -> Result<Vec<Taxel>, InputError> {
     let key = |key: &str| format!("{place}.{key}");
     let fault = |own: &str, found: String, allowed: &str| Err(source.fault_at(&key(own), found, allowed));
     source.check_each(&key("row_0_m"), &table.row_0_m, limits::PLACE_M)?;
@@ -267,12 +261,10 @@ fn cylinder_taxels(source: &Source, place: &str, table: &CylinderTable) -> Resul
             area_m2: table.taxel_size_m * table.taxel_size_m,
         }
     };
-    let taxels: Vec<_> = (0..table.rows).flat_map(|row| angles.iter().map(move |angle| taxel(row, *angle))).collect();
-    let grid = Some(Grid { rows: table.rows, columns: angles.len(), wraps: table.wraps });
-    Ok(PatchTaxels { radius_m: Some(table.radius_m), grid, taxels })
+    Ok((0..table.rows).flat_map(|row| angles.iter().map(move |angle| taxel(row, *angle))).collect())
 }
 
-fn point_taxels(source: &Source, place: &str, table: &PointsTable) -> Result<PatchTaxels, InputError> {
+fn point_taxels(source: &Source, place: &str, table: &PointsTable) -> Result<Vec<Taxel>, InputError> {
     let derived = table.derived_area_limits_m2;
     if let Some([min, max]) = derived {
         let field = format!("{place}.derived_area_limits_m2");
@@ -309,17 +301,14 @@ fn point_taxels(source: &Source, place: &str, table: &PointsTable) -> Result<Pat
         let tangent_link = along.reject_from_normalized(normal_link).normalize();
         taxels.push(Taxel { position_link, normal_link, tangent_link, area_m2 });
     }
-    Ok(PatchTaxels { radius_m: None, grid: None, taxels })
+    Ok(taxels)
 }
 
 /// The square of the distance to the nearest taxel that faces the same way (within 90°); infinite if there is none.
 fn derived_area(taxels: &[TaxelTable], number: usize, normal: DVec3) -> f64 {
     let position = |taxel: &TaxelTable| DVec3::from_array(taxel.position_m);
-    let neighbours = taxels
-        .iter()
-        .enumerate()
-        .filter(|(other, taxel)| *other != number && DVec3::from_array(taxel.normal).dot(normal) > 0.0);
-    neighbours
-        .map(|(_, taxel)| position(taxel).distance_squared(position(&taxels[number])))
-        .fold(f64::INFINITY, f64::min)
+    let others = taxels.iter().enumerate().filter(|(other, _)| *other != number).map(|(_, taxel)| taxel);
+    let neighbours = others.filter(|taxel| DVec3::from_array(taxel.normal).dot(normal) > 0.0);
+    let squares = neighbours.map(|taxel| position(taxel).distance_squared(position(&taxels[number])));
+    squares.fold(f64::INFINITY, f64::min)
 }

@@ -3,9 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use schemars::JsonSchema;
-use serde::de::DeserializeOwned;
-use underbrush_recording::{InputError, Limits, TEXT_BYTES, line_setting, parse_toml, read_text, short};
+use underbrush_recording::{InputError, Limits, TEXT_BYTES, line_setting, read_text, short};
 
 use super::limits::DIRECTION;
 
@@ -26,6 +24,11 @@ pub(super) fn listed(values: &[f64]) -> String {
     format!("[{}]", texts.join(", "))
 }
 
+/// A number rounded to so many significant digits.
+pub(super) fn significant(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
+}
+
 /// Normalizes a direction vector whose length is within the limits.
 pub(super) fn unit(vector: [f64; 3]) -> Option<DVec3> {
     let vector = DVec3::from_array(vector);
@@ -38,11 +41,6 @@ pub(super) fn directions() -> String {
 }
 
 impl Source {
-    /// Parses the text as TOML.
-    pub(super) fn toml<T: DeserializeOwned + JsonSchema>(&self, allowed: &str) -> Result<T, InputError> {
-        parse_toml(&self.path, &self.text, "TOML", allowed)
-    }
-
     /// An error about the whole file.
     pub(super) fn fault(
         &self,

@@ -25,7 +25,6 @@ pub(super) struct Chain {
 }
 
 /// What an arm file says about its URDF.
-#[derive(Default)]
 pub(super) struct Said {
     /// Joints that are held, each at an angle, rad, or displacement, m.
     pub(super) held: BTreeMap<String, f64>,
@@ -36,14 +35,6 @@ pub(super) struct Said {
 }
 
 impl Chain {
-    /// The names of the last moving link and of the links that are fixed to it.
-    pub(super) fn links_at_end(&self) -> String {
-        let last = self.links.len() - 1;
-        let own = self.frames.iter().filter(|(_, (link, _))| *link == last);
-        let names: Vec<&str> = own.map(|(name, _)| name.as_str()).collect();
-        names.join(", ")
-    }
-
     /// The link that the URDF's link `name` was merged into, and its pose in that link's frame. The name stands at `field`
     /// of a file.
     pub(super) fn frame(&self, source: &Source, field: &str, name: &str) -> Result<(usize, Pose), InputError> {
@@ -383,15 +374,11 @@ impl<'a> Reader<'a> {
         let geometry = child(collision, "geometry");
         let shape = geometry.and_then(|geometry| named(geometry, SHAPES).next());
         let [radius_m, length_m] = ["radius", "length"].map(|key| number(shape, key));
-        let (sizes, shape) = match shape.map_or("", |shape| shape.tag_name().name()) {
-            "sphere" => (vec![radius_m], BodyShape::Sphere { radius_m }),
-            "cylinder" => (vec![radius_m, length_m], BodyShape::Cylinder { radius_m, length_m }),
-            "capsule" => (vec![radius_m, length_m], BodyShape::Capsule { radius_m, length_m }),
-            "box" => {
-                let size: [f64; 3] = numbers(shape, "size").unwrap_or_default();
-                let size_m = DVec3::from_array(size);
-                (size.to_vec(), BodyShape::Box { size_m })
-            }
+        let shape = match shape.map_or("", |shape| shape.tag_name().name()) {
+            "sphere" => BodyShape::Sphere { radius_m },
+            "cylinder" => BodyShape::Cylinder { radius_m, length_m },
+            "capsule" => BodyShape::Capsule { radius_m, length_m },
+            "box" => BodyShape::Box { size_m: DVec3::from_array(numbers(shape, "size").unwrap_or_default()) },
             _ => {
                 let allowed = "box, cylinder, capsule or sphere; or [[hull]] for this link in the arm's TOML file, in place of \
                                its meshes (`underbrush arm new` makes them)";
@@ -399,6 +386,7 @@ impl<'a> Reader<'a> {
                 return Err(self.elements.fault(collision, "geometry", format!("mesh {filename}"), allowed));
             }
         };
+        let sizes = shape.numbers();
         if sizes.iter().any(|size| !limits::SIZE_M.hold(*size)) {
             let allowed = format!("sizes of {}", limits::SIZE_M);
             return Err(self.elements.fault(collision, "geometry", listed(&sizes), &allowed));

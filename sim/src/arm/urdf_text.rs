@@ -25,38 +25,27 @@ use Holds::{Joint, Name, Numbers};
 /// The types of joints in URDF files.
 const JOINT_TYPES: [&str; 7] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical"];
 
-/// The attributes that are read: element, attribute, type, and whether the attribute is required.
-const ATTRIBUTES: &[(&str, &str, Holds, bool)] = &[
-    ("link", "name", Name, true),
-    ("joint", "name", Name, true),
-    ("joint", "type", Joint, true),
-    ("parent", "link", Name, true),
-    ("child", "link", Name, true),
-    ("origin", "xyz", Numbers(3), false),
-    ("origin", "rpy", Numbers(3), false),
-    ("mass", "value", Numbers(1), true),
-    ("inertia", "ixx", Numbers(1), true),
-    ("inertia", "ixy", Numbers(1), true),
-    ("inertia", "ixz", Numbers(1), true),
-    ("inertia", "iyy", Numbers(1), true),
-    ("inertia", "iyz", Numbers(1), true),
-    ("inertia", "izz", Numbers(1), true),
-    ("sphere", "radius", Numbers(1), true),
-    ("cylinder", "radius", Numbers(1), true),
-    ("cylinder", "length", Numbers(1), true),
-    ("capsule", "radius", Numbers(1), true),
-    ("capsule", "length", Numbers(1), true),
-    ("box", "size", Numbers(3), true),
-    ("mesh", "filename", Name, true),
-    ("mesh", "scale", Numbers(3), false),
-    ("mimic", "joint", Name, true),
-    ("mimic", "multiplier", Numbers(1), false),
-    ("mimic", "offset", Numbers(1), false),
-    ("axis", "xyz", Numbers(3), true),
-    ("limit", "lower", Numbers(1), false),
-    ("limit", "upper", Numbers(1), false),
-    ("limit", "effort", Numbers(1), false),
-    ("limit", "velocity", Numbers(1), true),
+/// The attributes that are read: element, attributes, their type, and whether they are required.
+const ATTRIBUTES: &[(&str, &[&str], Holds, bool)] = &[
+    ("link", &["name"], Name, true),
+    ("joint", &["name"], Name, true),
+    ("joint", &["type"], Joint, true),
+    ("parent", &["link"], Name, true),
+    ("child", &["link"], Name, true),
+    ("origin", &["xyz", "rpy"], Numbers(3), false),
+    ("mass", &["value"], Numbers(1), true),
+    ("inertia", &["ixx", "ixy", "ixz", "iyy", "iyz", "izz"], Numbers(1), true),
+    ("sphere", &["radius"], Numbers(1), true),
+    ("cylinder", &["radius", "length"], Numbers(1), true),
+    ("capsule", &["radius", "length"], Numbers(1), true),
+    ("box", &["size"], Numbers(3), true),
+    ("mesh", &["filename"], Name, true),
+    ("mesh", &["scale"], Numbers(3), false),
+    ("mimic", &["joint"], Name, true),
+    ("mimic", &["multiplier", "offset"], Numbers(1), false),
+    ("axis", &["xyz"], Numbers(3), true),
+    ("limit", &["lower", "upper", "effort"], Numbers(1), false),
+    ("limit", &["velocity"], Numbers(1), true),
 ];
 
 /// Children: an element, the elements of which it may contain at most one, and whether it must contain one.
@@ -146,13 +135,15 @@ impl<'a> Elements<'a> {
 
     fn check(&self, element: Node) -> Result<(), InputError> {
         let name = element.tag_name().name();
-        for (_, key, holds, is_required) in ATTRIBUTES.iter().filter(|(element, ..)| *element == name) {
-            let found = match attribute(element, key) {
-                None if *is_required => format!("no attribute `{key}`"),
-                Some(value) if !holds.fits(value) => format!("{value:?}"),
-                _ => continue,
-            };
-            return Err(self.fault(element, key, found, &holds.allowed()));
+        for (_, keys, holds, is_required) in ATTRIBUTES.iter().filter(|(element, ..)| *element == name) {
+            for key in *keys {
+                let found = match attribute(element, key) {
+                    None if *is_required => format!("no attribute `{key}`"),
+                    Some(value) if !holds.fits(value) => format!("{value:?}"),
+                    _ => continue,
+                };
+                return Err(self.fault(element, key, found, &holds.allowed()));
+            }
         }
         for (_, wanted, is_required) in CHILDREN.iter().filter(|(element, ..)| *element == name) {
             let count = children(element).filter(|child| wanted.contains(&child.tag_name().name())).count();

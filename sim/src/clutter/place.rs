@@ -6,9 +6,9 @@ use underbrush_recording::{InputError, Limits};
 
 use super::PlacedObject;
 use crate::arm::ArmAtStart;
-use crate::object::{Footing, Specification, StandsOn};
+use crate::object::{Footing, StandsOn};
 use crate::range::{Draw, PLACE_M, YAW_DEG};
-use crate::scene::Scene;
+use crate::scene::{Scene, Workspace};
 
 /// Clearance between the arm in its start posture and any object, m.
 pub(super) const START_CLEARANCE_M: f64 = 0.02;
@@ -23,6 +23,7 @@ pub(super) fn place_all(
     arm: &ArmAtStart,
     random: &mut ChaCha8Rng,
 ) -> Result<Vec<PlacedObject>, InputError> {
+    let workspace = &scene.file.workspace;
     let mut objects: Vec<PlacedObject> = Vec::new();
     for (kind, number, group) in scene.file.objects.groups() {
         let field = format!("objects.{kind}[{number}]");
@@ -30,8 +31,13 @@ pub(super) fn place_all(
             let mut rejected = Rejections::default();
             let mut found = None;
             for _ in 0..PLACES {
-                let Some(Proposal { center, yaw_rad, footing, stands_on }) = propose(scene, group, &objects, random)
-                else {
+                let mut draw = |given: Option<Draw>, [low, high]: [f64; 2], limits: Limits| {
+                    given.unwrap_or(Draw::Uniform(low, high)).draw(random, limits).unwrap_or(low)
+                };
+                let yaw_rad = draw(group.place.yaw_deg, [-180.0, 180.0], YAW_DEG).to_radians();
+                let x = draw(group.place.x_m, workspace.x_m, PLACE_M);
+                let center = DVec2::new(x, draw(group.place.y_m, workspace.y_m, PLACE_M));
+                let Some((footing, stands_on)) = ground(group.stands_on, workspace, &objects, center) else {
                     rejected.no_foam += 1;
                     continue;
                 };
@@ -98,47 +104,25 @@ impl std::fmt::Display for Rejections {
 /// would nail a free block to the ground, so it stands beside such a block.
 fn may_overlap(a: &PlacedObject, b: &PlacedObject) -> bool {
     let in_foam = |foam: &PlacedObject, other: &PlacedObject| {
-        let is_free = foam.object.carrier().is_some();
-        foam.object.foam_top().is_some() && other.object.may_stand_in_foam() && !(is_free && other.stands_on.is_none())
+        let may_pass = other.object.passes_through_foam() && foam.object.carrier().is_none();
+        foam.object.foam_top().is_some() && (other.stands_on.is_some() || may_pass)
     };
     a.object.is_ground() || b.object.is_ground() || in_foam(a, b) || in_foam(b, a)
 }
 
-/// A place for an object.
-struct Proposal {
-    center: DVec2,
-    yaw_rad: f64,
-    footing: Footing,
-    /// The object whose foam it is.
-    stands_on: Option<usize>,
-}
-
-/// Draws a place, a rotation and the ground there; `None` if an object that needs foam finds none.
-fn propose(
-    scene: &Scene,
-    group: &Specification,
+/// What an object at this place would stand on, and the object whose foam it is, if it needs foam; `None` if there is none.
+fn ground(
+    stands_on: StandsOn,
+    workspace: &Workspace,
     objects: &[PlacedObject],
-    random: &mut ChaCha8Rng,
-) -> Option<Proposal> {
-    let workspace = &scene.file.workspace;
-    let mut draw = |given: Option<Draw>, [low, high]: [f64; 2], limits: Limits| {
-        given.unwrap_or(Draw::Uniform(low, high)).draw(random, limits).unwrap_or(low)
-    };
-    let yaw_deg = draw(group.place.yaw_deg, [-180.0, 180.0], YAW_DEG);
-    let yaw_rad = yaw_deg.to_radians();
-    let x = draw(group.place.x_m, workspace.x_m, PLACE_M);
-    let y = draw(group.place.y_m, workspace.y_m, PLACE_M);
-    let center = DVec2::new(x, y);
-    match group.stands_on {
-        StandsOn::Table => {
-            let footing = Footing { height_m: workspace.table_height_m, foam_modulus_pa: None };
-            Some(Proposal { center, yaw_rad, footing, stands_on: None })
-        }
+    center: DVec2,
+) -> Option<(Footing, Option<usize>)> {
+    match stands_on {
+        StandsOn::Table => Some((Footing { height_m: workspace.table_height_m, foam_modulus_pa: None }, None)),
         StandsOn::Foam => objects.iter().enumerate().find_map(|(index, block)| {
             let (modulus, height) = block.object.foam_top()?;
-            let inside = block.laid().contains(center, BLOCK_MARGIN_M);
             let footing = Footing { height_m: block.foot_world.z + height, foam_modulus_pa: Some(modulus) };
-            inside.then_some(Proposal { center, yaw_rad, footing, stands_on: Some(index) })
+            block.laid().contains(center, BLOCK_MARGIN_M).then_some((footing, Some(index)))
         }),
     }
 }

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use underbrush_recording::limits::first_outside;
 use underbrush_recording::{FRAME_PERIOD_S, InputError, Limits};
 
-use crate::numbers::options;
+use crate::range::options;
 
 /// What an action is. Its numbers are from -1 to 1; others are clamped to that range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]

@@ -1,6 +1,5 @@
 //! Foam block: leaves stand in it, and the arm can hit it (paper, section IV-A: 25 cm × 10 cm, wet or dry).
 
-use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use glam::DVec3;
@@ -8,8 +7,8 @@ use underbrush_recording::limits::SHARE;
 use underbrush_recording::{BodyShape, Category, Limits};
 
 use super::{
-    Axis, Body, CollisionGroup, Declared, Drawing, FRICTION, Footing, Inertia, Joint, Kind, Maxwell, Object, Spring,
-    Structure, declared, part,
+    Axis, Body, CollisionGroup, Declared, Drawing, FRICTION, Footing, Inertia, Joint, Kind, Object, Parameters, Spring,
+    Structure, declared, foam_surface, part,
 };
 use crate::{Draw, DrawError, Footprint, Surface};
 
@@ -122,32 +121,6 @@ impl FoamBlock {
         let water = if self.wet { WATER_KG_PER_M3 } else { 0.0 };
         (DENSITY_KG_PER_M3 + water) * LENGTH_M * WIDTH_M * self.height_m
     }
-
-    /// How far one that stands free sinks into its own foam, m: m g / (E A / H).
-    fn sag_m(&self, gravity_m_per_s2: f64) -> f64 {
-        self.mass_kg() * gravity_m_per_s2 / self.stiffness_n_per_m()
-    }
-
-    /// The surface of one that stands free. Choice: its loss time is that of the foam's loss factor, twice the damping
-    /// ratio, at the 10 Hz of a touch.
-    fn soft_surface(&self) -> Surface {
-        Surface {
-            compliance_m3_per_n: self.height_m / self.modulus_pa,
-            thickness_m: None,
-            loss_time_s: 2.0 * DAMPING_RATIO.of(self) / (2.0 * PI * 10.0),
-            friction: FRICTION,
-        }
-    }
-
-    fn spring(&self) -> Spring {
-        let (stiffness, share) = (self.stiffness_n_per_m(), RELAXING_SHARE.of(self));
-        Spring {
-            stiffness: stiffness * (1.0 - share),
-            damping: 2.0 * DAMPING_RATIO.of(self) * (stiffness * self.moving_mass_kg()).sqrt(),
-            maxwell: Some(Maxwell { stiffness: stiffness * share, relaxation_time_s: RELAXATION_TIME_S.of(self) }),
-            ..Spring::default()
-        }
-    }
 }
 
 impl Object for FoamBlock {
@@ -159,37 +132,45 @@ impl Object for FoamBlock {
         self.height_m
     }
 
-    fn parameters(&self) -> BTreeMap<String, f64> {
-        let mut parameters = BTreeMap::from([
-            ("length_m".into(), LENGTH_M),
-            ("width_m".into(), WIDTH_M),
-            ("height_m".into(), self.height_m),
-            ("wet".into(), f64::from(u8::from(self.wet))),
-            ("modulus_pa".into(), self.modulus_pa),
-            ("density_kg_per_m3".into(), DENSITY_KG_PER_M3),
-            ("relaxing_share".into(), RELAXING_SHARE.of(self)),
-            ("relaxation_time_s".into(), RELAXATION_TIME_S.of(self)),
+    fn parameters(&self) -> Parameters {
+        let mut parameters = Parameters::from([
+            ("length_m", LENGTH_M),
+            ("width_m", WIDTH_M),
+            ("height_m", self.height_m),
+            ("wet", f64::from(u8::from(self.wet))),
+            ("modulus_pa", self.modulus_pa),
+            ("density_kg_per_m3", DENSITY_KG_PER_M3),
+            ("relaxing_share", RELAXING_SHARE.of(self)),
+            ("relaxation_time_s", RELAXATION_TIME_S.of(self)),
         ]);
-        parameters.extend(self.stands_free.then(|| ("mass_kg".into(), self.mass_kg())));
+        parameters.extend(self.stands_free.then(|| ("mass_kg", self.mass_kg())));
         parameters
     }
 
     fn structure(&self, gravity_m_per_s2: f64) -> Structure {
         let size_m = DVec3::new(LENGTH_M, WIDTH_M, self.height_m);
         let center = DVec3::Z * (self.height_m / 2.0);
+        let [damping_ratio, share, time_s] = [DAMPING_RATIO, RELAXING_SHARE, RELAXATION_TIME_S].map(|own| own.of(self));
         if self.stands_free {
+            // It sinks into its own foam: m g / (E A / H).
+            let sag_m = self.mass_kg() * gravity_m_per_s2 / self.stiffness_n_per_m();
             let block = Body {
-                joint: Some(Joint::free(0, center - DVec3::Z * self.sag_m(gravity_m_per_s2))),
+                joint: Some(Joint::free(0, center - DVec3::Z * sag_m)),
                 inertia: Inertia::of_box(self.mass_kg(), DVec3::ZERO, size_m),
                 parts: vec![part(BodyShape::Box { size_m }, DVec3::ZERO)],
                 collision_group: CollisionGroup::Standing,
                 ..Body::foot()
             };
-            return Structure { bodies: vec![Body::foot(), block], axisymmetric: false, surface: self.soft_surface() };
+            // Choice: its loss time is that of the foam's loss factor, twice the damping ratio, at the 10 Hz of a touch.
+            let loss_time_s = 2.0 * damping_ratio / (2.0 * PI * 10.0);
+            let surface = foam_surface(self.height_m / self.modulus_pa, loss_time_s);
+            return Structure { bodies: vec![Body::foot(), block], axisymmetric: false, surface };
         }
+        let (stiffness, mass_kg) = (self.stiffness_n_per_m(), self.moving_mass_kg());
+        let spring = Spring::relaxing(stiffness, mass_kg, damping_ratio, share, time_s);
         let top = Body {
-            joint: Some(Joint::parallel(0, DVec3::ZERO, vec![(Axis::along(DVec3::Z), self.spring())])),
-            inertia: Inertia::of_box(self.moving_mass_kg(), center, size_m),
+            joint: Some(Joint::parallel(0, DVec3::ZERO, vec![(Axis::along(DVec3::Z), spring)])),
+            inertia: Inertia::of_box(mass_kg, center, size_m),
             parts: vec![part(BodyShape::Box { size_m }, center)],
             collision_group: CollisionGroup::Foam,
             ..Body::foot()

@@ -1,17 +1,15 @@
 //! Foam roll: the outlier, soft and slow to recover (paper, section V-D and Fig. 14).
 
-use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
 use super::{
-    Axis, Body, CollisionGroup, Declared, Drawing, EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Inertia, Joint, Kind,
-    Maxwell, Object, Spring, Structure, part, quantities,
+    Axis, Body, CollisionGroup, Declared, Drawing, EARTH_GRAVITY_M_PER_S2, Footing, Inertia, Joint, Kind, Object,
+    Parameters, Spring, Structure, foam_surface, part, quantities,
 };
-use crate::range::{Draw, DrawError, draw_possible};
-use crate::{Footprint, Surface};
+use crate::{Draw, DrawError, Footprint};
 
 /// Number of slices that a roll is cut into along its height. Choice: each is then about half as high as the arm is
 /// thick.
@@ -49,11 +47,10 @@ impl Kind for FoamRoll {
     const CATEGORY: Category = Category::OUTLIER;
 
     fn draw(drawing: &mut Drawing<'_>, _: &Footing) -> Result<Self, DrawError> {
-        let group = drawing.group;
         // If nearly all rolls of these ranges would topple, the error asks for a higher modulus.
         let enough = |roll: &FoamRoll| roll.modulus_pa * roll.load_share() / LARGEST_LOAD_SHARE;
-        let refusal = |roll: &FoamRoll| group.refusal("modulus_pa", Some(enough(roll)), None);
-        draw_possible(|| Self::draw_all(drawing), FoamRoll::stands_by_itself, refusal)
+        let refusal = |roll: &FoamRoll| ("modulus_pa", Some(enough(roll)), None);
+        drawing.until_possible(Self::draw_all, FoamRoll::stands_by_itself, refusal)
     }
 }
 
@@ -100,28 +97,6 @@ impl FoamRoll {
     pub fn stands_by_itself(&self) -> bool {
         self.load_share() <= LARGEST_LOAD_SHARE
     }
-
-    /// The foam between surface and core, a layer as thick as the radius R, has a compliance of R / E per area. Choice.
-    fn surface(&self) -> Surface {
-        Surface {
-            compliance_m3_per_n: 0.5 * self.diameter_m / self.modulus_pa,
-            thickness_m: None,
-            loss_time_s: SURFACE_LOSS_TIME_S,
-            friction: FRICTION,
-        }
-    }
-
-    fn standard_linear_solid(&self, stiffness: f64, inertia: f64) -> Spring {
-        Spring {
-            stiffness: stiffness * (1.0 - self.relaxing_share),
-            damping: 2.0 * DAMPING_RATIO * (stiffness * inertia).sqrt(),
-            maxwell: Some(Maxwell {
-                stiffness: stiffness * self.relaxing_share,
-                relaxation_time_s: self.relaxation_time_s,
-            }),
-            ..Spring::default()
-        }
-    }
 }
 
 impl Object for FoamRoll {
@@ -138,7 +113,7 @@ impl Object for FoamRoll {
         self.height_m
     }
 
-    fn parameters(&self) -> BTreeMap<String, f64> {
+    fn parameters(&self) -> Parameters {
         self.values()
     }
 
@@ -147,11 +122,14 @@ impl Object for FoamRoll {
         let slice_height_m = self.height_m / SLICES as f64;
         let slice_mass_kg = self.density_kg_per_m3 * PI * radius_m * radius_m * slice_height_m;
         let lean_inertia = slice_mass_kg * SLICES as f64 * self.height_m.powi(2) / 3.0;
-        let lean = self.standard_linear_solid(self.lean_stiffness_nm_per_rad(), lean_inertia);
+        let solid = |stiffness: f64, inertia: f64| {
+            Spring::relaxing(stiffness, inertia, DAMPING_RATIO, self.relaxing_share, self.relaxation_time_s)
+        };
+        let lean = solid(self.lean_stiffness_nm_per_rad(), lean_inertia);
         let base_hinge = |parent, axis| Body::between_hinges(Joint::parallel(parent, DVec3::ZERO, vec![(axis, lean)]));
         let mut bodies = vec![Body::foot(), base_hinge(0, Axis::about(DVec3::X)), base_hinge(1, Axis::about(DVec3::Y))];
         let core = bodies.len() - 1;
-        let slide = self.standard_linear_solid(self.slice_stiffness_n_per_m(), slice_mass_kg);
+        let slide = solid(self.slice_stiffness_n_per_m(), slice_mass_kg);
         bodies.extend((0..SLICES).map(|slice| Body {
             joint: Some(Joint::parallel(
                 core,
@@ -163,7 +141,9 @@ impl Object for FoamRoll {
             collision_group: if slice == 0 { CollisionGroup::Rooted } else { CollisionGroup::Bendable },
             ..Body::foot()
         }));
-        Structure { bodies, axisymmetric: true, surface: self.surface() }
+        // The foam between surface and core, a layer as thick as the radius R, has a compliance of R / E per area. Choice.
+        let surface = foam_surface(0.5 * self.diameter_m / self.modulus_pa, SURFACE_LOSS_TIME_S);
+        Structure { bodies, axisymmetric: true, surface }
     }
 }
 

@@ -98,26 +98,44 @@ impl Specification {
         let found = self.declarations.iter().enumerate().find(|(_, declared)| declared.name == name);
         found.expect("a kind asks only for quantities that it declares")
     }
-
-    /// The error for a group of which (almost) no object is possible: this quantity has to be within these limits. A limit
-    /// that is not given is that of its declaration.
-    pub fn refusal(&self, name: &str, low: Option<f64>, high: Option<f64>) -> DrawError {
-        let (number, Declared { name, limits, .. }) = self.declared(name);
-        let draw = self.ranges[number];
-        DrawError { name, draw, low: low.unwrap_or(limits.min), high: high.unwrap_or(limits.max) }
-    }
 }
 
 /// The draw of one object of a group.
 pub struct Drawing<'a> {
-    /// The group.
-    pub group: &'a Specification,
+    group: &'a Specification,
     random: &'a mut ChaCha8Rng,
     /// What was drawn last for each quantity, in the order of the declarations; `None` for one that was not asked for.
     drawn: Vec<Option<f64>>,
 }
 
+/// How often an object is drawn again if it is not possible.
+const REDRAWS: usize = 100;
+
 impl Drawing<'_> {
+    /// Draws an object until `is_possible` holds. If (almost) none of the group is possible, `refusal` says of the last one which
+    /// quantity has to be within which limits; a limit that is not given is that of its declaration.
+    ///
+    /// # Errors
+    /// That of a draw, or that of a refusal if none of about a hundred objects is possible.
+    pub fn until_possible<T>(
+        &mut self,
+        draw: impl Fn(&mut Self) -> Result<T, DrawError>,
+        is_possible: impl Fn(&T) -> bool,
+        refusal: impl FnOnce(&T) -> (&'static str, Option<f64>, Option<f64>),
+    ) -> Result<T, DrawError> {
+        let mut drawn = draw(self)?;
+        for _ in 0..REDRAWS {
+            if is_possible(&drawn) {
+                return Ok(drawn);
+            }
+            drawn = draw(self)?;
+        }
+        let (name, low, high) = refusal(&drawn);
+        let (number, Declared { limits, .. }) = self.group.declared(name);
+        let draw = self.group.ranges[number];
+        Err(DrawError { name, draw, low: low.unwrap_or(limits.min), high: high.unwrap_or(limits.max) })
+    }
+
     /// Draws the quantity with this name.
     ///
     /// # Errors
@@ -292,8 +310,8 @@ macro_rules! quantities {
 
             /// The values by name.
             #[allow(dead_code, reason = "not all kinds record just what is drawn")]
-            fn values(&self) -> std::collections::BTreeMap<String, f64> {
-                [$((stringify!($name), self.$name)),+].map(|(name, value)| (name.to_owned(), value)).into()
+            fn values(&self) -> $crate::object::Parameters {
+                [$((stringify!($name), self.$name)),+].into()
             }
         }
     };

@@ -1,17 +1,14 @@
 //! Leaf: a bendable cantilever stuck in foam (paper, section IV-A).
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 use underbrush_recording::Category;
 
 use super::{
     Axis, Blade, Body, COLLISION_THICKNESS_M, CollisionGroup, Declared, Drawing, EARTH_GRAVITY_M_PER_S2, FRICTION,
-    Footing, Grip, Hinge, Joint, Kind, NEVER_PULLED_N, NEVER_YIELDS_NM, Object, SHEET_TORSION_OVER_BENDING, StandsOn,
-    Structure, grip, quantities, root_stiffness_nm_per_rad, yields,
+    Footing, Grip, Hinge, Joint, Kind, NEVER_PULLED_N, NEVER_YIELDS_NM, Object, Parameters, SHEET_TORSION_OVER_BENDING,
+    StandsOn, Structure, grip, on_root, quantities, root_stiffness_nm_per_rad, yields,
 };
-use crate::range::{Draw, DrawError, draw_possible};
-use crate::{Footprint, Surface};
+use crate::{Draw, DrawError, Footprint, Surface};
 
 quantities! {
     /// What is drawn for a leaf. The foot frame of its blade: x normal to the blade, y along its width, z up.
@@ -67,9 +64,9 @@ impl Kind for Leaf {
     const STANDS_ON: StandsOn = StandsOn::Foam;
 
     fn draw(drawing: &mut Drawing<'_>, footing: &Footing) -> Result<Self, DrawError> {
-        let group = drawing.group;
-        let draw = || {
+        let draw = |drawing: &mut Drawing<'_>| {
             let drawn = DrawnLeaf::draw_all(drawing)?;
+            let root = footing.foam_modulus_pa.map(|modulus| root_stiffness_nm_per_rad(modulus, drawn.root_depth_m));
             Ok(Leaf {
                 height_m: drawn.height_m,
                 width_m: drawn.width_m,
@@ -78,17 +75,15 @@ impl Kind for Leaf {
                 mass_per_area_kg_per_m2: drawn.mass_per_area_kg_per_m2,
                 loss_factor: drawn.loss_factor,
                 yield_moment_nm: yields(drawn.yield_moment_nm),
-                root_stiffness_nm_per_rad: footing
-                    .foam_modulus_pa
-                    .map(|modulus| root_stiffness_nm_per_rad(modulus, drawn.root_depth_m)),
+                root_stiffness_nm_per_rad: root,
                 grip: grip(footing.foam_modulus_pa, drawn.root_depth_m, drawn.pull_out_force_n),
                 segments: drawn.segments.round() as u32,
             })
         };
         // If nearly all leaves of these ranges would lie down, the error asks for a higher rigidity.
         let enough = |leaf: &Leaf| leaf.flexural_rigidity_n_m2 * leaf.load_share() / LARGEST_LOAD_SHARE;
-        let refusal = |leaf: &Leaf| group.refusal("flexural_rigidity_n_m2", Some(enough(leaf)), None);
-        draw_possible(draw, Leaf::stands_by_itself, refusal)
+        let refusal = |leaf: &Leaf| ("flexural_rigidity_n_m2", Some(enough(leaf)), None);
+        drawing.until_possible(draw, Leaf::stands_by_itself, refusal)
     }
 }
 
@@ -186,19 +181,11 @@ impl Leaf {
 
     /// The hinges of the blade, the lowest one together with the root in the foam, which is softer.
     pub fn hinges(&self) -> Vec<Hinge> {
-        let mut hinges = self.blade().hinges();
-        if let (Some(lowest), Some(stiffness)) = (hinges.first_mut(), self.root_stiffness_nm_per_rad) {
-            *lowest = lowest.joined(Hinge { place_m: 0.0, bend: 1.0 / stiffness, twist: 1.0 / stiffness });
-        }
-        hinges
+        on_root(self.blade().hinges(), self.root_stiffness_nm_per_rad)
     }
 }
 
 impl Object for Leaf {
-    fn may_stand_in_foam(&self) -> bool {
-        true
-    }
-
     fn footprint(&self) -> Footprint {
         Footprint::Disc(self.width_m / 2.0)
     }
@@ -211,7 +198,7 @@ impl Object for Leaf {
         self.height_m
     }
 
-    fn parameters(&self) -> BTreeMap<String, f64> {
+    fn parameters(&self) -> Parameters {
         let parameters = [
             ("height_m", Some(self.height_m)),
             ("width_m", Some(self.width_m)),
@@ -224,7 +211,7 @@ impl Object for Leaf {
             ("root_stiffness_nm_per_rad", self.root_stiffness_nm_per_rad),
             ("pull_out_force_n", self.grip.map(|grip| grip.force_n)),
         ];
-        parameters.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
+        parameters.into_iter().filter_map(|(name, value)| Some((name, value?))).collect()
     }
 
     fn structure(&self, _: f64) -> Structure {

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use underbrush_recording::Category;
 
+use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
 
 pub mod blade;
@@ -17,7 +18,6 @@ pub mod foam_roll;
 pub mod group;
 pub mod leaf;
 pub mod plant;
-pub mod root;
 pub mod structure;
 pub mod table;
 pub mod trunk;
@@ -51,11 +51,13 @@ macro_rules! for_each_object_kind {
         }
     };
 }
-use blade::{Blade, COLLISION_THICKNESS_M, Hinge, NEVER_YIELDS_NM, SHEET_TORSION_OVER_BENDING, yields};
+use blade::{
+    Blade, COLLISION_THICKNESS_M, Hinge, NEVER_PULLED_N, NEVER_YIELDS_NM, SHEET_TORSION_OVER_BENDING, gauss_legendre,
+    grip, on_root, root_stiffness_nm_per_rad, yields,
+};
 pub(crate) use for_each_object_kind;
 use group::{Declared, Drawing, Kind, declared, quantities};
-use root::{NEVER_PULLED_N, grip, root_stiffness_nm_per_rad};
-use structure::{Axis, Body, CollisionGroup, Grip, Inertia, Joint, Maxwell, Spring, part};
+use structure::{Axis, Body, CollisionGroup, Grip, Inertia, Joint, Spring, part};
 
 macro_rules! declare {
     ($($(#[$attribute:meta])* $key:ident: $kind:ty,)*) => {
@@ -101,6 +103,9 @@ pub struct Footing {
     pub foam_modulus_pa: Option<f64>,
 }
 
+/// Parameters of an object by name, SI units in the names.
+pub type Parameters = BTreeMap<&'static str, f64>;
+
 /// One concrete object, ready to be built.
 pub trait Object: Listed + std::fmt::Debug + Send + Sync {
     /// Whether it holds the arm back instead of letting it through. Goals keep clear of it.
@@ -111,8 +116,8 @@ pub trait Object: Listed + std::fmt::Debug + Send + Sync {
     fn is_ground(&self) -> bool {
         false
     }
-    /// Whether it may share ground with a foam block: it stands in the foam, or passes through it to the table.
-    fn may_stand_in_foam(&self) -> bool {
+    /// Whether it may share ground with a foam block although it stands on the table.
+    fn passes_through_foam(&self) -> bool {
         false
     }
     /// Its ground area at rest.
@@ -126,8 +131,8 @@ pub trait Object: Listed + std::fmt::Debug + Send + Sync {
     }
     /// Its height over its foot, m.
     fn height_m(&self) -> f64;
-    /// Its drawn parameters by name, SI units in the names.
-    fn parameters(&self) -> BTreeMap<String, f64>;
+    /// Its drawn parameters.
+    fn parameters(&self) -> Parameters;
     /// Its bodies, joints and springs at rest under this gravity, m/s².
     fn structure(&self, gravity_m_per_s2: f64) -> Structure;
     /// The body of its structure that carries what stands on it, if it can move away with it.
@@ -146,6 +151,11 @@ pub(crate) const EARTH_GRAVITY_M_PER_S2: f64 = 9.81;
 /// Coefficient of friction of the surface of leaves, trunks, foam blocks and foam rolls. The paper gives none; 0.2–0.4
 /// is usual for fabric and silicone on plastic, and the authors' planar simulation uses 0.4.
 pub const FRICTION: f64 = 0.4;
+
+/// The surface of foam that gives way by this much under a pressure, m³/N, with this loss time, s.
+fn foam_surface(compliance_m3_per_n: f64, loss_time_s: f64) -> Surface {
+    Surface { compliance_m3_per_n, thickness_m: None, loss_time_s, friction: FRICTION }
+}
 
 /// Coefficient of friction of the table. Choice: that of the objects, [`FRICTION`].
 pub const TABLE_FRICTION: f64 = 0.4;

@@ -1,6 +1,5 @@
 //! Plant: a stem with leaves around it, stuck in foam.
 
-use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
@@ -8,12 +7,10 @@ use underbrush_recording::{BodyShape, Category, Pose};
 
 use super::{
     Axis, Blade, Body, COLLISION_THICKNESS_M, CollisionGroup, Declared, Drawing, EARTH_GRAVITY_M_PER_S2, FRICTION,
-    Footing, Grip, Hinge, Inertia, Joint, Kind, NEVER_PULLED_N, Object, SHEET_TORSION_OVER_BENDING, Spring, StandsOn,
-    Structure, grip, part, quantities, root_stiffness_nm_per_rad, yields,
+    Footing, Grip, Hinge, Inertia, Joint, Kind, NEVER_PULLED_N, Object, Parameters, SHEET_TORSION_OVER_BENDING, Spring,
+    StandsOn, Structure, gauss_legendre, grip, on_root, part, quantities, root_stiffness_nm_per_rad, yields,
 };
-use crate::quadrature::gauss_legendre;
-use crate::range::{Draw, DrawError, draw_possible};
-use crate::{Footprint, Surface};
+use crate::{Draw, DrawError, Footprint, Surface};
 
 quantities! {
     /// What is drawn for a plant. Limits: from a seedling to a bush that the arm just reaches over.
@@ -109,8 +106,7 @@ impl Kind for Plant {
     const STANDS_ON: StandsOn = StandsOn::Foam;
 
     fn draw(drawing: &mut Drawing<'_>, footing: &Footing) -> Result<Self, DrawError> {
-        let group = drawing.group;
-        let draw = || {
+        let draw = |drawing: &mut Drawing<'_>| {
             let mut drawn = DrawnPlant::draw_all(drawing)?;
             (drawn.blades, drawn.segments) = (drawn.blades.round(), drawn.segments.round());
             let root = footing.foam_modulus_pa.map(|modulus| root_stiffness_nm_per_rad(modulus, drawn.root_depth_m));
@@ -124,16 +120,14 @@ impl Kind for Plant {
             let drawn = &plant.drawn;
             let enough = |rigidity: f64, load_share: f64| Some(rigidity * load_share / LARGEST_LOAD_SHARE);
             match plant.load_shares() {
-                _ if plant.stands_by_itself() => group.refusal("droop_deg", None, Some(drawn.elevation_deg)),
-                [stem, blade] if stem > blade => {
-                    group.refusal("stem_rigidity_n_m2", enough(drawn.stem_rigidity_n_m2, stem), None)
-                }
-                [_, blade] => {
-                    group.refusal("flexural_rigidity_n_m2", enough(drawn.flexural_rigidity_n_m2, blade), None)
-                }
+                _ if plant.stands_by_itself() => ("droop_deg", None, Some(drawn.elevation_deg)),
+                [stem, blade] if stem > blade => ("stem_rigidity_n_m2", enough(drawn.stem_rigidity_n_m2, stem), None),
+                [_, blade] => ("flexural_rigidity_n_m2", enough(drawn.flexural_rigidity_n_m2, blade), None),
             }
         };
-        draw_possible(draw, |plant| plant.stands_by_itself() && plant.is_over_the_foam(), refusal)
+        // All blades must be over the foam.
+        let is_possible = |plant: &Plant| plant.stands_by_itself() && plant.extent.lowest_m > COLLISION_THICKNESS_M;
+        drawing.until_possible(draw, is_possible, refusal)
     }
 }
 
@@ -179,12 +173,7 @@ impl Plant {
     /// The weight of all as a share of what makes the stem buckle. The stem's own counts as that of a column (Greenhill
     /// 1881), the blades' as if all were at the top (Euler: π² E I / (4 H²)), and on a root that turns each as its moment
     /// over the root's stiffness; the shares add (Dunkerley). A blade's share of its own buckling load is that of an upright
-    /// one, whose petiole turns as the root does. The larger of stem and blade counts.
-    pub fn load_share(&self) -> f64 {
-        self.load_shares().into_iter().fold(0.0, f64::max)
-    }
-
-    /// The shares of stem and blade.
+    /// one, whose petiole turns as the root does. Returns the shares of stem and blade.
     fn load_shares(&self) -> [f64; 2] {
         let drawn = &self.drawn;
         let blade_n =
@@ -201,12 +190,7 @@ impl Plant {
 
     /// Whether the plant carries its own weight.
     pub fn stands_by_itself(&self) -> bool {
-        self.load_share() <= LARGEST_LOAD_SHARE
-    }
-
-    /// Whether all blades are over the foam.
-    fn is_over_the_foam(&self) -> bool {
-        self.extent.lowest_m > COLLISION_THICKNESS_M
+        self.load_shares().into_iter().all(|share| share <= LARGEST_LOAD_SHARE)
     }
 
     /// Heights over the foam, m, and compliances, rad/Nm, of the stem's hinges, the lowest one together with the root.
@@ -217,11 +201,7 @@ impl Plant {
             // A round rod: G J = E I / (1 + ν), much as a sheet's half.
             Hinge { place_m: height * node, bend, twist: 2.0 * bend / SHEET_TORSION_OVER_BENDING }
         };
-        let mut hinges: Vec<Hinge> = gauss_legendre(STEM_SEGMENTS).into_iter().map(of_node).collect();
-        if let (Some(lowest), Some(stiffness)) = (hinges.first_mut(), self.root_stiffness_nm_per_rad) {
-            *lowest = lowest.joined(Hinge { place_m: 0.0, bend: 1.0 / stiffness, twist: 1.0 / stiffness });
-        }
-        hinges
+        on_root(gauss_legendre(STEM_SEGMENTS).into_iter().map(of_node).collect(), self.root_stiffness_nm_per_rad)
     }
 
     /// Springs of the stem, damped like those of its blades at the stem's first frequency with all blades at its top.
@@ -319,10 +299,6 @@ impl Plant {
 }
 
 impl Object for Plant {
-    fn may_stand_in_foam(&self) -> bool {
-        true
-    }
-
     /// A disc under all blades, so that those of two plants do not start within each other.
     fn footprint(&self) -> Footprint {
         Footprint::Disc(self.extent.radius_m)
@@ -332,10 +308,10 @@ impl Object for Plant {
         self.drawn.height_m.max(self.extent.highest_m)
     }
 
-    fn parameters(&self) -> BTreeMap<String, f64> {
+    fn parameters(&self) -> Parameters {
         let mut parameters = self.drawn.values();
         let root = self.root_stiffness_nm_per_rad;
-        parameters.extend(root.map(|stiffness| ("root_stiffness_nm_per_rad".into(), stiffness)));
+        parameters.extend(root.map(|stiffness| ("root_stiffness_nm_per_rad", stiffness)));
         parameters
     }
 
@@ -348,9 +324,8 @@ impl Object for Plant {
             let azimuth_rad = f64::from(number) * GOLDEN_ANGLE_RAD;
             self.grow_blade(&pieces, share * self.drawn.height_m, azimuth_rad, &mut bodies);
         }
-        Structure { bodies, axisymmetric: false, surface: Surface::hard(FRICTION) }
-            .balanced(gravity_m_per_s2)
-            .held_by(self.grip)
+        let plant = Structure { bodies, axisymmetric: false, surface: Surface::hard(FRICTION) };
+        plant.balanced(gravity_m_per_s2).held_by(self.grip)
     }
 }
 

@@ -201,6 +201,17 @@ pub struct Spring {
 }
 
 impl Spring {
+    /// A standard linear solid (Zener model) of this stiffness at first, of which a share relaxes in a time, s. Its damping ratio
+    /// is that of the inertia which moves on it, kg m² or kg.
+    pub fn relaxing(stiffness: f64, inertia: f64, damping_ratio: f64, share: f64, relaxation_time_s: f64) -> Self {
+        Spring {
+            stiffness: stiffness * (1.0 - share),
+            damping: 2.0 * damping_ratio * (stiffness * inertia).sqrt(),
+            maxwell: Some(Maxwell { stiffness: stiffness * share, relaxation_time_s }),
+            ..Spring::default()
+        }
+    }
+
     /// An elastic spring with damping.
     pub fn elastic(stiffness: f64, damping: f64) -> Self {
         Spring { stiffness, damping, ..Spring::default() }

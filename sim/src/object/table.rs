@@ -1,12 +1,10 @@
 //! Table top: what the arm, leaves, rolls and bottles meet below the clutter. A scene has one only if it says so: Cody's arm
 //! stays well above the ground in the scenes of leaves and trunks.
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
-use super::{Body, Declared, Drawing, Footing, Kind, Object, Structure, TABLE_FRICTION, part, quantities};
+use super::{Body, Declared, Drawing, Footing, Kind, Object, Parameters, Structure, TABLE_FRICTION, part, quantities};
 use crate::{Draw, DrawError, Footprint, Surface};
 
 /// Thickness of the top, m. Choice: thicker than any overlap, so that nothing comes out below.
@@ -48,7 +46,7 @@ impl Object for Table {
         0.0
     }
 
-    fn parameters(&self) -> BTreeMap<String, f64> {
+    fn parameters(&self) -> Parameters {
         self.values()
     }
 

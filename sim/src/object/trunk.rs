@@ -1,13 +1,10 @@
 //! Trunk: rigid, fixed to the table beneath the foam (paper, section IV-A).
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
-use super::{Body, Declared, Drawing, FRICTION, Footing, Kind, Object, Structure, part, quantities};
-use crate::range::{Draw, DrawError, draw_possible};
-use crate::{Footprint, Surface};
+use super::{Body, Declared, Drawing, FRICTION, Footing, Kind, Object, Parameters, Structure, part, quantities};
+use crate::{Draw, DrawError, Footprint, Surface};
 
 quantities! {
     /// One trunk.
@@ -29,11 +26,10 @@ impl Kind for Trunk {
     const CATEGORY: Category = Category::TRUNK;
 
     fn draw(drawing: &mut Drawing<'_>, _: &Footing) -> Result<Self, DrawError> {
-        let group = drawing.group;
         // The top is half a ball, which must be above the table.
         let is_possible = |trunk: &Trunk| trunk.height_m >= trunk.diameter_m / 2.0;
-        let refusal = |trunk: &Trunk| group.refusal("height_m", Some(trunk.diameter_m / 2.0), None);
-        draw_possible(|| Self::draw_all(drawing), is_possible, refusal)
+        let refusal = |trunk: &Trunk| ("height_m", Some(trunk.diameter_m / 2.0), None);
+        drawing.until_possible(Self::draw_all, is_possible, refusal)
     }
 }
 
@@ -42,7 +38,7 @@ impl Object for Trunk {
         true
     }
 
-    fn may_stand_in_foam(&self) -> bool {
+    fn passes_through_foam(&self) -> bool {
         true
     }
 
@@ -54,7 +50,7 @@ impl Object for Trunk {
         self.height_m
     }
 
-    fn parameters(&self) -> BTreeMap<String, f64> {
+    fn parameters(&self) -> Parameters {
         self.values()
     }
 

@@ -1,16 +1,15 @@
 //! Water bottle: an outlier that stands free on the table, and slides or tips over when it is pushed.
 
-use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
 use super::{
-    Body, CollisionGroup, Declared, Drawing, Footing, Inertia, Joint, Kind, Object, Structure, part, quantities,
+    Body, CollisionGroup, Declared, Drawing, Footing, Inertia, Joint, Kind, Object, Parameters, Structure, part,
+    quantities,
 };
-use crate::range::{Draw, DrawError, draw_possible};
-use crate::{Footprint, Surface};
+use crate::{Draw, DrawError, Footprint, Surface};
 
 /// The category of water bottles. Like the foam roll, a bottle does not belong to the foliage; it has a category of its
 /// own because it feels different from a roll.
@@ -56,11 +55,10 @@ impl Kind for WaterBottle {
     const CATEGORY: Category = CATEGORY;
 
     fn draw(drawing: &mut Drawing<'_>, _: &Footing) -> Result<Self, DrawError> {
-        let group = drawing.group;
         let is_possible = |bottle: &WaterBottle| bottle.water_mass_kg <= bottle.capacity_kg();
         // If nearly all bottles of these ranges would overflow, the error asks for less water.
-        let refusal = |bottle: &WaterBottle| group.refusal("water_mass_kg", None, Some(bottle.capacity_kg()));
-        draw_possible(|| Self::draw_all(drawing), is_possible, refusal)
+        let refusal = |bottle: &WaterBottle| ("water_mass_kg", None, Some(bottle.capacity_kg()));
+        drawing.until_possible(Self::draw_all, is_possible, refusal)
     }
 }
 
@@ -110,11 +108,6 @@ impl WaterBottle {
                 + shift(self.water_mass_kg, self.water_level_m() / 2.0),
         }
     }
-
-    /// Hard, like the other shells of plastic: where a wall bends under a push, it bends locally.
-    fn surface(&self) -> Surface {
-        Surface::hard(self.friction)
-    }
 }
 
 impl Object for WaterBottle {
@@ -131,7 +124,7 @@ impl Object for WaterBottle {
         self.height_m
     }
 
-    fn parameters(&self) -> BTreeMap<String, f64> {
+    fn parameters(&self) -> Parameters {
         self.values()
     }
 
@@ -145,7 +138,9 @@ impl Object for WaterBottle {
             collision_group: CollisionGroup::Standing,
             ..Body::foot()
         };
-        Structure { bodies: vec![Body::foot(), bottle], axisymmetric: true, surface: self.surface() }
+        // Hard, like the other shells of plastic: where a wall bends under a push, it bends locally.
+        let surface = Surface::hard(self.friction);
+        Structure { bodies: vec![Body::foot(), bottle], axisymmetric: true, surface }
     }
 }
 

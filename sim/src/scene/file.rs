@@ -7,9 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{SceneCamera, limits};
 use crate::materials::MaterialsSection;
-use crate::numbers::options;
 use crate::object::{Group, Specification, for_each_object_kind};
-use crate::range::{Draw, PLACE_M, Within};
+use crate::range::{Draw, PLACE_M, Within, options};
 use crate::{ControllerKind, PhysicsOptions, SensorOptions};
 
 /// The keys of a scene file.

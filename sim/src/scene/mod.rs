@@ -127,11 +127,10 @@ impl Scene {
     /// # Errors
     /// When the scene has a section `[materials]` already.
     pub fn with_materials(&self, file: &MaterialFile, draws: bool) -> Result<Scene, InputError> {
-        if let Some(line) = line_setting(&self.text, "materials") {
+        if line_setting(&self.text, "materials").is_some() {
             let allowed = "a scene without this section, or no file of materials and nothing to randomize";
-            let remedy = "remove one of the two";
-            let fault = InputError::new(&self.path, "materials", "a section of its own", allowed, remedy);
-            return Err(fault.at_line(line));
+            let fault = self.fault("materials", "a section of its own", allowed);
+            return Err(InputError { remedy: "remove one of the two".into(), ..fault });
         }
         Scene::parse(&self.path, format!("{}\n{}", self.text, file.section(draws)))
     }

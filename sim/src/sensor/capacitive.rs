@@ -1,12 +1,13 @@
-//! Capacitive skin: capacitors under a continuous cover (crosstalk, creep), read by the authors' driver.
+//! Capacitive skin: capacitors under a continuous cover (crosstalk, creep), read by the authors' driver. Some taxels read a
+//! small force although nothing touches them, because the cover has shifted a little since the skin was zeroed.
 
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Patch, math};
 
-use super::converter::{Converter, Noise};
 use super::options::SensorOptions;
-use super::spurious::SpuriousReadings;
+use super::shared::{Converter, Noise};
 
 /// Retardation times of the cover's creep, s. With one per decade, the reading of a held force grows with the logarithm
 /// of time between the first and the last, as the strain of rubber does.
@@ -86,4 +87,48 @@ fn felt(neighbours: &[usize; 4], crosstalk_share: f64, force_n: &[f64], taxel: u
 fn neighbours(patch: &Patch) -> Vec<[usize; 4]> {
     let in_grid = |taxel: usize| patch.grid.map_or([None; 4], |grid| grid.neighbours(taxel));
     (0..patch.taxels.len()).map(|taxel| in_grid(taxel).map(|next| next.unwrap_or(taxel))).collect()
+}
+
+/// The spurious readings of one patch. Each taxel's offset is a telegraph process: it is zero for a while, then one
+/// constant force for a while.
+#[derive(Clone, Serialize, Deserialize)]
+struct SpuriousReadings {
+    /// Probability per frame that a taxel's spurious reading begins, and that it ends.
+    begin: f64,
+    end: f64,
+    force_n: [f64; 2],
+    /// Present offset of each taxel, N; 0 for a taxel without a spurious reading.
+    offset_n: Vec<f64>,
+}
+
+impl SpuriousReadings {
+    /// Starts without any, because the skin is zeroed before a reach.
+    fn new(options: &SensorOptions, taxels: usize) -> Self {
+        let end = -math::exp_m1(-FRAME_PERIOD_S / options.spurious_time_s);
+        SpuriousReadings {
+            // In the steady state a share s of the taxels is affected and as many begin as end: begin · (1 − s) = end ·
+            // s.
+            begin: end * options.spurious_share / (1.0 - options.spurious_share),
+            end,
+            force_n: options.spurious_force_n,
+            offset_n: vec![0.0; taxels],
+        }
+    }
+
+    /// Advances by one frame and returns the offsets of all taxels, N.
+    fn advance(&mut self, random: &mut ChaCha8Rng) -> &[f64] {
+        if self.begin > 0.0 {
+            let [min, max] = self.force_n;
+            for offset in &mut self.offset_n {
+                if *offset > 0.0 {
+                    if random.random_bool(self.end) {
+                        *offset = 0.0;
+                    }
+                } else if random.random_bool(self.begin) {
+                    *offset = min + (max - min) * random.random::<f64>();
+                }
+            }
+        }
+        &self.offset_n
+    }
 }

@@ -8,8 +8,8 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Taxel, math};
 
-use super::converter::{Converter, Noise};
 use super::options::{FabricOptions, FabricResponse};
+use super::shared::{Converter, Noise};
 
 /// The fabric taxels of one patch. They are separate pieces, so there is no crosstalk.
 #[derive(Clone, Serialize, Deserialize)]

@@ -17,14 +17,12 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::SkinLayout;
 
 mod capacitive;
-mod converter;
 mod fabric;
 mod limits;
 mod options;
-mod spurious;
+mod shared;
 #[cfg(test)]
 mod tests;
-mod transducer;
 
 use crate::arm::Skin;
 use crate::arm::skin::Technology;
@@ -32,7 +30,7 @@ use crate::seed::stream;
 use capacitive::Capacitive;
 use fabric::Fabric;
 pub use options::{FabricOptions, FabricResponse, Fault, SensorModel, SensorOptions};
-use transducer::Transducers;
+use shared::Transducers;
 
 /// The electronics of one patch.
 #[derive(Clone, Serialize, Deserialize)]

@@ -8,7 +8,7 @@ use underbrush_recording::SkinLayout;
 use underbrush_recording::limits::{first_outside, short};
 
 use super::limits;
-use crate::numbers::options;
+use crate::range::options;
 
 options! {
     // Gate, quantization step and saturation are the authors'. The others are choices:

@@ -2,8 +2,6 @@
 
 #![allow(missing_docs, reason = "only tests use it")]
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
@@ -11,7 +9,7 @@ use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
 use crate::object::group::{Declared, Drawing, Kind, quantities};
 use crate::object::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Spring, Structure, part};
-use crate::object::{Footing, Object};
+use crate::object::{Footing, Object, Parameters};
 use crate::range::{Draw, DrawError};
 
 pub(super) const CATEGORY: Category = Category::new("wand", 127).unwrap();
@@ -37,7 +35,7 @@ impl Kind for Wand {
 }
 
 impl Object for Wand {
-    fn may_stand_in_foam(&self) -> bool {
+    fn passes_through_foam(&self) -> bool {
         true
     }
 
@@ -49,7 +47,7 @@ impl Object for Wand {
         self.height_m
     }
 
-    fn parameters(&self) -> BTreeMap<String, f64> {
+    fn parameters(&self) -> Parameters {
         self.values()
     }
 

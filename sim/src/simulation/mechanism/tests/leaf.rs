@@ -4,10 +4,9 @@ use glam::DVec3;
 
 use super::{build, pose, step_pushed};
 use crate::object::Object;
-use crate::object::blade::{COLLISION_THICKNESS_M, SHEET_TORSION_OVER_BENDING};
+use crate::object::blade::{COLLISION_THICKNESS_M, SHEET_TORSION_OVER_BENDING, grip};
 use crate::object::foam_block::{FoamBlock, LENGTH_M};
 use crate::object::leaf::Leaf;
-use crate::object::root::grip;
 use crate::object::trunk::Trunk;
 use crate::physics::PhysicsOptions;
 use crate::simulation::engine::Engine;

@@ -1,0 +1,133 @@
+//! The stages that capacitive taxels and those of fabric have in common: bandwidth, gain and drift, which every taxel does to a
+//! force before its electronics read it, and the noise and quantization of the electronics.
+
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+use underbrush_recording::{FRAME_PERIOD_S, math};
+
+use super::options::SensorOptions;
+use crate::seed::{Normal, standard_normals};
+
+/// The transducers of all taxels. Without an effect they hold nothing and draw nothing.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Transducers {
+    /// Share of a change of force that passes within a frame, 1 − exp(−2π f Δt).
+    pass: f64,
+    /// The force behind the low-pass filter, N; empty without one.
+    filtered_n: Vec<f64>,
+    /// Empty without a spread.
+    gains: Vec<f64>,
+    /// Ornstein-Uhlenbeck process: the share that a frame keeps, and its innovation.
+    keep: f64,
+    innovation: Noise,
+    /// Empty without drift.
+    drift_n: Vec<f64>,
+    random: ChaCha8Rng,
+}
+
+impl Transducers {
+    /// The transducers of a reach, unloaded. Gains and the first drift are drawn from `random`, which draws the drift.
+    pub fn new(options: &SensorOptions, taxels: usize, mut random: ChaCha8Rng) -> Self {
+        let draw_all = |deviation: f64, random: &mut ChaCha8Rng| {
+            let mut noise = Noise::new(deviation);
+            let count = if deviation > 0.0 { taxels } else { 0 };
+            (0..count).map(|_| noise.draw(random)).collect::<Vec<f64>>()
+        };
+        let gains = draw_all(options.gain_spread_share, &mut random).into_iter().map(math::exp).collect();
+        let drift_n = draw_all(options.drift_n, &mut random);
+        let keep = math::exp(-FRAME_PERIOD_S / options.drift_time_s);
+        let is_limited = options.bandwidth_hz.is_finite();
+        Transducers {
+            pass: -math::exp_m1(-2.0 * std::f64::consts::PI * options.bandwidth_hz * FRAME_PERIOD_S),
+            filtered_n: vec![0.0; if is_limited { taxels } else { 0 }],
+            gains,
+            keep,
+            // The standard deviation then stays the same.
+            innovation: Noise::new(options.drift_n * (1.0 - keep * keep).sqrt()),
+            drift_n,
+            random,
+        }
+    }
+
+    /// Turns the true forces on all taxels, N, into those that the electronics read.
+    pub fn apply(&mut self, force_n: &mut [f64]) {
+        for (force, filtered) in force_n.iter_mut().zip(&mut self.filtered_n) {
+            *filtered += (*force - *filtered) * self.pass;
+            *force = *filtered;
+        }
+        for (force, gain) in force_n.iter_mut().zip(&self.gains) {
+            *force *= gain;
+        }
+        for (force, drift) in force_n.iter_mut().zip(&mut self.drift_n) {
+            *drift = *drift * self.keep + self.innovation.draw(&mut self.random);
+            *force += *drift;
+        }
+    }
+}
+
+/// White Gaussian noise of one standard deviation for all taxels.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Noise {
+    standard_deviation_n: f64,
+    /// The second of two draws, for the next reading.
+    spare: Option<Normal>,
+}
+
+impl Noise {
+    /// Noise with this standard deviation, N; 0 switches it off.
+    pub fn new(standard_deviation_n: f64) -> Self {
+        Noise { standard_deviation_n, spare: None }
+    }
+
+    /// Draws the noise of one reading, N.
+    pub fn draw(&mut self, random: &mut ChaCha8Rng) -> f64 {
+        self.next(random).value() * self.standard_deviation_n
+    }
+
+    /// Draws the noise of a reading of `clean_n` (N), and adds it; `None` if the sum is smaller than `gate_n`, N.
+    pub fn over_gate(&mut self, clean_n: f64, gate_n: f64, random: &mut ChaCha8Rng) -> Option<f64> {
+        let normal = self.next(random);
+        if normal.is_within(gate_n - clean_n.abs(), self.standard_deviation_n) {
+            return None;
+        }
+        let reading_n = clean_n + normal.value() * self.standard_deviation_n;
+        (reading_n.abs() >= gate_n).then_some(reading_n)
+    }
+
+    /// A number is drawn even if the noise is off, so that the noise of one technology does not depend on whether the other
+    /// has any.
+    fn next(&mut self, random: &mut ChaCha8Rng) -> Normal {
+        self.spare.take().unwrap_or_else(|| {
+            let [first, second] = standard_normals(random);
+            self.spare = Some(second);
+            first
+        })
+    }
+}
+
+/// Quantizes readings.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Converter {
+    /// Steps per newton; 0 switches quantization off.
+    pub steps_per_n: f64,
+}
+
+impl Converter {
+    /// Steps of this size, N; 0 switches quantization off.
+    pub fn with_quantum(quantum_n: f64) -> Self {
+        if quantum_n == 0.0 {
+            return Converter { steps_per_n: 0.0 };
+        }
+        let steps = 1.0 / quantum_n;
+        // The floating-point number 0.001 is not exactly a thousandth. With a whole number of steps per newton,
+        // a reading is the number that is nearest to count / steps, and prints with few digits.
+        let whole = steps.round();
+        let is_whole = (steps - whole).abs() <= 4.0 * f64::EPSILON * steps;
+        Converter { steps_per_n: if is_whole { whole } else { steps } }
+    }
+
+    /// The quantized value nearest to a reading, N.
+    pub fn convert(&self, reading_n: f64) -> f64 {
+        if self.steps_per_n > 0.0 { (reading_n * self.steps_per_n).round() / self.steps_per_n } else { reading_n }
+    }
+}
