@@ -1,7 +1,6 @@
 //! From log-likelihoods to verdicts: priors, and thresholds on the margin between the best two categories.
 
 use std::collections::BTreeMap;
-use std::fmt;
 use std::sync::Arc;
 
 use schemars::JsonSchema;
@@ -42,12 +41,6 @@ impl Verdict {
             Verdict::Uncertain => Some(categories.len()),
             Verdict::Outlier => Some(categories.len() + 1),
         }
-    }
-}
-
-impl fmt::Display for Verdict {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
     }
 }
 

@@ -65,12 +65,19 @@ pub enum ModelError {
 }
 
 impl ModelError {
+    /// The error about parts that do not match, or a fit without a result.
+    pub(crate) fn mismatch(found: impl Into<String>, allowed: impl Into<String>) -> Self {
+        ModelError::Mismatch { found: found.into(), allowed: allowed.into() }
+    }
+
+    /// The error about a regression with this penalty that has no solution.
+    pub(crate) fn no_solution(penalty: f64, allowed: &str) -> Self {
+        ModelError::mismatch(format!("a regression with penalty {penalty} that has no solution"), allowed)
+    }
+
     /// The error about a model whose file would give another model.
     pub(crate) fn unwritable() -> Self {
-        ModelError::Mismatch {
-            found: "a model that changes when it is written and read".into(),
-            allowed: "finite numbers".into(),
-        }
+        ModelError::mismatch("a model that changes when it is written and read", "finite numbers")
     }
 }
 

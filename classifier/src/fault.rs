@@ -16,27 +16,17 @@ impl From<ModelError> for Fault {
     }
 }
 
-macro_rules! bad_usage_or_model {
-    ($($error:ident),*) => {
+// An error with a variant `Model` may hold any error about a model; all else is bad usage.
+macro_rules! bad_usage {
+    ($($error:ident $(or $model:ident)?),*) => {
         $(impl From<$error> for Fault {
             fn from(error: $error) -> Self {
                 match error {
-                    $error::Model(model) => model.into(),
+                    $($error::$model(model) => model.into(),)?
                     other => Fault::Usage(other.to_string()),
                 }
             }
         })*
     };
 }
-bad_usage_or_model!(EvaluateError, OnlineError);
-
-macro_rules! bad_usage {
-    ($($error:ty),*) => {
-        $(impl From<$error> for Fault {
-            fn from(error: $error) -> Self {
-                Fault::Usage(error.to_string())
-            }
-        })*
-    };
-}
-bad_usage!(TrialError, ThresholdError, DecisionError, FeatureError);
+bad_usage!(EvaluateError or Model, OnlineError or Model, TrialError, ThresholdError, DecisionError, FeatureError);

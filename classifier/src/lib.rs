@@ -67,16 +67,12 @@ pub mod estimator;
 pub mod evaluate;
 mod fault;
 pub mod feature;
-mod feature_table;
-mod file_text;
 pub mod fit_options;
 mod frequency;
 pub mod hmm;
 mod hmm_classifier;
 mod model_file;
-mod moments;
 pub mod online;
-pub mod online_model;
 #[cfg(feature = "onnx")]
 pub mod onnx;
 pub mod paper_rule;

@@ -14,7 +14,7 @@
 //! the window are ignored. The first output of 32-bit floats with one value per category is the answer. An invalid
 //! answer, such as NaN or probabilities that do not sum to 1, is an error.
 
-use std::fmt::Display;
+use std::fmt::{self, Display};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -38,13 +38,10 @@ const PROBABILITY_TOLERANCE: f64 = 1e-3;
 /// [`InputError`] if the file is not an ONNX model, lacks a key, uses an unknown operator, or has inputs or outputs of
 /// other shapes.
 pub fn load(path: &Path) -> Result<Box<dyn Classifier>, InputError> {
-    let fail = |field: &str, found: String, allowed: &str, remedy: &str| {
-        InputError::new(path, field.to_owned(), found, allowed.to_owned(), remedy.to_owned())
-    };
     let not_onnx = |found: String| {
         let remedy = "export the model again, with the probabilities as its only output and with standard operators, as \
                       examples/onnx/train.py does";
-        fail("file", found, "an ONNX model of numbers, with operators that rten knows", remedy)
+        InputError::new(path, "file", found, "an ONNX model of numbers, with operators that rten knows", remedy)
     };
     let length = open_regular(path, "an ONNX model", "check the path")?.metadata();
     let length = length.map_err(|error| not_onnx(error.to_string()))?.len();
@@ -63,14 +60,14 @@ pub fn load(path: &Path) -> Result<Box<dyn Classifier>, InputError> {
         let allowed = format!("an input of shape {:?}, as the metadata say", network.shape);
         let remedy = "export the model for these shapes and with standard operators (skl2onnx: black_op={'Scaler'}), or correct \
                       its metadata";
-        fail("input", found, &allowed, remedy)
+        InputError::new(path, "input", found, allowed, remedy)
     })?;
     let categories = expected.categories.len();
     let output = outputs.iter().position(|output| numbers(output).is_some_and(|numbers| numbers.len() == categories));
     let output = output.ok_or_else(|| {
         let allowed = format!("an output of {categories} 32-bit floats, one per category");
         let remedy = "export probabilities as a plain tensor (skl2onnx: options={'zipmap': False})";
-        fail("output", format!("{outputs:?}"), &allowed, remedy)
+        InputError::new(path, "output", format!("{outputs:?}"), allowed, remedy)
     })?;
     let network = Network { output, ..network };
     Ok(Box::new(OnnxClassifier(Arc::new(Loaded { path: path.to_owned(), expected, network }))))
@@ -117,23 +114,26 @@ struct Loaded {
     network: Network,
 }
 
+impl fmt::Debug for Loaded {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(&self.expected, formatter)
+    }
+}
+
 impl Loaded {
     /// Runs the network on the samples of a window and writes one number per category to `answer`.
     fn answer(&self, input: &[f32], answer: &mut [f64]) -> Result<(), InputError> {
-        let fail = |field: &str, found: String, allowed: String, remedy: &str| {
-            InputError::new(&self.path, field, found, allowed, remedy)
-        };
         let count = answer.len();
         let outputs = self.network.run(input).map_err(|found| {
-            let allowed = "a network that runs with any forces and motions".to_owned();
+            let allowed = "a network that runs with any forces and motions";
             let remedy = "correct the network so that it runs with such numbers, and export it again";
-            fail("network", format!("a failure: {found}"), allowed, remedy)
+            InputError::new(&self.path, "network", format!("a failure: {found}"), allowed, remedy)
         })?;
         let output = &outputs[self.network.output];
         let values = numbers(output).filter(|values| values.len() == count).ok_or_else(|| {
             let allowed = format!("{count} 32-bit floats, one per category, as when the file was read");
             let remedy = "export the network with an output whose shape does not depend on the input";
-            fail("output", format!("{output:?}"), allowed, remedy)
+            InputError::new(&self.path, "output", format!("{output:?}"), allowed, remedy)
         })?;
         answer.iter_mut().zip(values).for_each(|(place, value)| *place = f64::from(value));
         if self.expected.is_probability {
@@ -143,24 +143,18 @@ impl Loaded {
                     format!("probabilities: numbers from 0 to 1 that sum to 1 within {PROBABILITY_TOLERANCE}");
                 let remedy =
                     "export a network that ends in a softmax, or set its metadata underbrush.output to log-odds";
-                return Err(fail("output", format!("{answer:?}"), allowed, remedy));
+                return Err(InputError::new(&self.path, "output", format!("{answer:?}"), allowed, remedy));
             }
         } else if !answer.iter().all(|value| value.is_finite()) {
-            let allowed = "finite log-odds".to_owned();
             let remedy = "correct the network, such as a division by zero or an overflow in it, and export it again";
-            return Err(fail("output", format!("{answer:?}"), allowed, remedy));
+            return Err(InputError::new(&self.path, "output", format!("{answer:?}"), "finite log-odds", remedy));
         }
         Ok(())
     }
 }
 
+#[derive(Debug)]
 struct OnnxClassifier(Arc<Loaded>);
-
-impl std::fmt::Debug for OnnxClassifier {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.debug_tuple("OnnxClassifier").field(&self.0.expected).finish()
-    }
-}
 
 impl Classifier for OnnxClassifier {
     fn name(&self) -> &'static str {
@@ -187,17 +181,11 @@ impl Classifier for OnnxClassifier {
 }
 
 /// One contact so far.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 struct Contact {
     model: Arc<Loaded>,
     /// The samples of the window so far, one after the other.
     samples: Vec<f64>,
-}
-
-impl std::fmt::Debug for Contact {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.debug_struct("Contact").field("samples", &self.samples).finish()
-    }
 }
 
 impl ContactScorer for Contact {
@@ -235,12 +223,11 @@ struct Expected {
 
 impl Expected {
     fn read(path: &Path, metadata: &ModelMetadata) -> Result<Self, InputError> {
-        let get = |key: &str| metadata.get(key);
         let fail = |key: &str, found: &str, allowed: &str| {
             let remedy = "set the model's metadata_props when you export it";
-            InputError::new(path, format!("metadata {key}"), found.to_owned(), allowed.to_owned(), remedy.to_owned())
+            InputError::new(path, format!("metadata {key}"), found, allowed, remedy)
         };
-        let need = |key: &str, allowed: &str| get(key).ok_or_else(|| fail(key, "nothing", allowed));
+        let need = |key: &str, allowed: &str| metadata.get(key).ok_or_else(|| fail(key, "nothing", allowed));
         let features = need("underbrush.features", "names of features, separated by commas")?;
         let window = need("underbrush.window", "a number of samples")?;
         let categories = need("underbrush.categories", "names in alphabetical order, separated by commas")?;
@@ -258,7 +245,7 @@ impl Expected {
                 _ => return Err(fail("underbrush.window", window, "a whole number from 1 to 1000")),
             },
             categories,
-            is_probability: match get("underbrush.output") {
+            is_probability: match metadata.get("underbrush.output") {
                 None | Some("probabilities") => true,
                 Some("log-odds") => false,
                 Some(other) => return Err(fail("underbrush.output", other, "probabilities or log-odds")),

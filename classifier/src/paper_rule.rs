@@ -2,7 +2,6 @@
 //! of hidden Markov models of unscaled force. With other scores they would give meaningless verdicts.
 
 use crate::decision::{Decision, DecisionError, Rule};
-use crate::hmm_classifier::HmmClassifier;
 use crate::model_file::Model;
 use crate::recipe::{Recipe, ScalingKind};
 use crate::{Classifier, FeatureSet, ScoreKind};
@@ -30,18 +29,17 @@ impl<'a> Scores<'a> {
     /// Scores by this model.
     pub fn of_model(model: &'a Model) -> Self {
         let hmm = model.hmm().ok();
-        let misfit_of = |hmm: &HmmClassifier| misfit(hmm.score_kind(), hmm.features(), hmm.scaling().is_some());
         Scores {
             own: model.decision.as_ref(),
             are_own: hmm.is_none_or(|hmm| hmm.score_kind() == hmm.own_score_kind()),
-            misfit: hmm.map_or_else(|| Some(NOT_HMM.into()), misfit_of),
+            misfit: misfit(hmm.map(|hmm| (hmm.score_kind(), hmm.features(), hmm.scaling().is_some()))),
         }
     }
 
     /// Scores of hidden Markov models by this recipe, or of another kind of classifier if there is no recipe.
     pub fn of_recipe(recipe: Option<&Recipe>) -> Self {
-        let misfit_of = |own: &Recipe| misfit(own.score, own.features, own.scaling != ScalingKind::Unscaled);
-        Scores { own: None, are_own: true, misfit: recipe.map_or_else(|| Some(NOT_HMM.into()), misfit_of) }
+        let of_hmm = |recipe: &Recipe| (recipe.score, recipe.features, recipe.scaling != ScalingKind::Unscaled);
+        Scores { own: None, are_own: true, misfit: misfit(recipe.map(of_hmm)) }
     }
 
     /// Scores of any kind, such as those of a user's own classifier.
@@ -73,14 +71,14 @@ impl<'a> Scores<'a> {
     }
 }
 
-/// Why the thresholds do not apply to classifiers other than hidden Markov models.
-const NOT_HMM: &str = "this classifier is not a hidden Markov model";
-
-fn misfit(kind: ScoreKind, features: FeatureSet, scaled: bool) -> Option<String> {
-    match kind {
-        ScoreKind::Forward => Some("these are forward scores".into()),
-        ScoreKind::Viterbi if features != FeatureSet::FORCE => Some(format!("these are scores of {features}")),
-        ScoreKind::Viterbi if scaled => Some("these are scores of scaled features".into()),
-        ScoreKind::Viterbi => None,
+/// Why the thresholds do not apply to hidden Markov models with this kind of score and these features, which may be scaled, or
+/// to another classifier.
+fn misfit(hmm: Option<(ScoreKind, FeatureSet, bool)>) -> Option<String> {
+    match hmm {
+        None => Some("this classifier is not a hidden Markov model".into()),
+        Some((ScoreKind::Forward, ..)) => Some("these are forward scores".into()),
+        Some((_, features, _)) if features != FeatureSet::FORCE => Some(format!("these are scores of {features}")),
+        Some((_, _, true)) => Some("these are scores of scaled features".into()),
+        Some(_) => None,
     }
 }

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use underbrush_classifier::any_model::{self, AnyModel};
-use underbrush_classifier::online_model::OnlineJudge;
+use underbrush_classifier::any_model::{self, AnyModel, OnlineJudge};
 use underbrush_classifier::touch::TOUCH_FORMAT;
 use underbrush_classifier::{Decision, FORMAT, Model, OnlineClassifier, OnlineOptions, Scores};
 use underbrush_recording::InputError;

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use underbrush_classifier::online_model::OnlineJudge;
+use underbrush_classifier::any_model::OnlineJudge;
 use underbrush_classifier::{OnlineClassifier, OnlineOptions, Scores};
 use underbrush_recording::SkinLayout;
 

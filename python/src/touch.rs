@@ -6,11 +6,10 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use serde_json::json;
 use underbrush_classifier::FORMAT;
-use underbrush_classifier::any_model::{self, AnyModel};
+use underbrush_classifier::any_model::{self, AnyModel, OnlineModel};
 use underbrush_classifier::evaluate::touch_folds::{
     ReadReaches, add_auxiliary, cross_validate_touch, judge_touch, touch_examples,
 };
-use underbrush_classifier::online_model::OnlineModel;
 use underbrush_classifier::touch::{TOUCH_FORMAT, TouchExamples, TouchModel, TouchOptions};
 use underbrush_experiments::model_data;
 use underbrush_recording::{Recording, stop};

@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use underbrush_classifier::any_model::{self, AnyModel};
+use underbrush_classifier::any_model::{self, AnyModel, OnlineJudge, OnlineModel};
 use underbrush_classifier::online::OnlineError;
-use underbrush_classifier::online_model::{OnlineJudge, OnlineModel};
 use underbrush_classifier::{OnlineOptions, Scores};
 use underbrush_recording::{Fault, Frame, Recording, SkinLayout};
 

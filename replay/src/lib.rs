@@ -26,7 +26,7 @@ pub use live::{Live, PartialReach};
 pub use page::{page_that_fits, single_file};
 pub use server::Server;
 pub use source::{Held, Source, Summary};
-pub use underbrush_classifier::online_model::OnlineModel as JudgingModel;
+pub use underbrush_classifier::any_model::OnlineModel as JudgingModel;
 pub use verdicts::Verdicts;
 
 use underbrush_recording::{Audit, SkinLayout};

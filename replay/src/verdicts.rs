@@ -1,8 +1,8 @@
 //! Verdicts of a model on every taxel in contact, frame by frame, as sections.
 
 use serde::Serialize;
+use underbrush_classifier::any_model::OnlineModel;
 use underbrush_classifier::online::TaxelVerdict;
-use underbrush_classifier::online_model::OnlineModel;
 use underbrush_classifier::touch::{
     REGION_FEATURE_COUNT, REGION_FEATURES, RegionTouch, SkinTracker, TaxelTouch, TouchClassifier, TouchDecision,
 };

@@ -10,7 +10,7 @@ use underbrush_recording::{Sample, Trial, math};
 
 use super::fitted::{FITTED, POSITIVE, TrialsByCategory, check_list, check_table};
 use crate::error::Fault;
-use crate::feature::{FeatureError, FeatureSet, SampleFault};
+use crate::feature::{Feature, FeatureError, FeatureSet, SampleFault};
 
 /// Weights of a kernel. Three have the weight 2 and six −1, so a constant input gives 0.
 const LENGTH: usize = 9;
@@ -109,7 +109,7 @@ impl Convolutions {
     }
 
     /// Checks numbers read from a file, and makes the convolutions ready for use.
-    pub(super) fn checked(self, features: FeatureSet) -> Result<Self, Fault> {
+    pub(super) fn check(&mut self, features: FeatureSet) -> Result<(), Fault> {
         check_list("scale", &self.scale, features.dimension(), POSITIVE)?;
         if self.dilations.is_empty() || !DILATIONS.starts_with(&self.dilations) {
             let allowed = format!("the first of {DILATIONS:?}");
@@ -123,7 +123,8 @@ impl Convolutions {
         }
         let each = self.biases.first().map_or(0, Vec::len);
         check_table("biases", &self.biases, (convolutions, each.max(1)), FITTED)?;
-        Ok(Convolutions { summands: summands(&self.inputs), ..self })
+        self.summands = summands(&self.inputs);
+        Ok(())
     }
 
     /// Number of values that a contact has.
@@ -190,12 +191,8 @@ impl Convolutions {
     fn remember(&self, features: FeatureSet, contact: &mut Outputs, values: &[f64]) {
         let span = self.dilations.last().map_or(0, |dilation| dilation * (LENGTH - 1));
         if contact.samples == 0 {
-            let before: Vec<f64> = features
-                .iter()
-                .zip(values)
-                .map(|(feature, value)| if feature.is_channel() { *value } else { 0.0 })
-                .collect();
-            contact.past = before.repeat(span);
+            let before = |(feature, value): (&Feature, &f64)| if feature.is_channel() { *value } else { 0.0 };
+            contact.past = features.iter().zip(values).map(before).collect::<Vec<f64>>().repeat(span);
         }
         // The rows before the last `span` are dropped now and then, not with each sample.
         if contact.past.len() > 4 * span * values.len() {
@@ -305,14 +302,14 @@ mod tests {
         // Tests the running counts against the ones above, on two channels; each kernel adds up one of them or both.
         let features: FeatureSet = "column:a,column:b".parse().unwrap();
         let which = [vec![true, false], vec![false, true], vec![true, true]];
-        let convolutions = Convolutions {
+        let mut convolutions = Convolutions {
             scale: vec![1.0; 2],
             dilations: vec![1, 2, 4],
             inputs: (0..3 * KERNELS).map(|place| which[place % KERNELS % 3].clone()).collect(),
             summands: Vec::new(),
             biases: (0..3 * KERNELS).map(|place| vec![0.3 * math::sin((place % KERNELS + 1) as f64)]).collect(),
         };
-        let convolutions = convolutions.checked(features).unwrap();
+        convolutions.check(features).unwrap();
         let mut contact = Outputs::default();
         for k in (0..30).map(f64::from) {
             let a = math::sin(0.7 * k) + 0.2 * math::sin(2.9 * k);

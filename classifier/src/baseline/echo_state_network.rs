@@ -15,10 +15,7 @@ use crate::{ClassifierKind, FeatureError, FeatureSet, SampleFault};
 pub(crate) const KIND: ClassifierKind = fitted::kind::<EchoStateNetwork>(
     &["recursive"],
     "Echo-state network: a fixed random recurrent network with a fitted linear readout at every sample",
-    |features| {
-        let default = EchoStateNetwork::default();
-        Box::new(EchoStateNetwork { features: features.unwrap_or(default.features), ..default })
-    },
+    |features| Box::new(EchoStateNetwork { features: features.unwrap_or(DEFAULT.features), ..DEFAULT }),
 );
 
 /// Units. Choice: the cost of a fit grows with the cube of their number.
@@ -84,11 +81,15 @@ pub struct EchoStateNetwork {
     pub penalty: f64,
 }
 
+/// The options without any wishes of the caller.
+const DEFAULT: EchoStateNetwork =
+    EchoStateNetwork { features: FeatureSet::FORCE_AND_MOTION, units: 60, leak: 0.1, penalty: 1e-6 };
+
 impl Default for EchoStateNetwork {
     /// Choice: 60 units; a memory of a tenth of a second at 100 Hz, similar to the mean number of samples at which the
     /// paper decides (11.9); a penalty that only keeps the regression well posed.
     fn default() -> Self {
-        EchoStateNetwork { features: FeatureSet::FORCE_AND_MOTION, units: 60, leak: 0.1, penalty: 1e-6 }
+        DEFAULT
     }
 }
 
@@ -136,21 +137,16 @@ impl Baseline for EchoStateNetwork {
                 }
             }
         }
-        let readout = precision.cholesky().map(|factor| factor.solve(&target));
-        let readout = readout.ok_or_else(|| ModelError::Mismatch {
-            found: format!("a regression with penalty {} that has no solution", self.penalty),
-            allowed: "a larger penalty".into(),
-        })?;
-        Ok(Parameters { readout: Columns(readout), ..network })
+        let factor = precision.cholesky().ok_or_else(|| ModelError::no_solution(self.penalty, "a larger penalty"))?;
+        Ok(Parameters { readout: Columns(factor.solve(&target)), ..network })
     }
 
-    fn checked(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
-        let Parameters { recurrent, inputs, readout } = &parameters;
+    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), Fault> {
+        let Parameters { recurrent, inputs, readout } = parameters;
         let (units, size) = (self.units, self.units + self.inputs());
         check_table("recurrent", &columns(&recurrent.0), (units, units), FITTED)?;
         check_table("inputs", &columns(&inputs.0), (self.inputs(), units), FITTED)?;
-        check_table("readout", &columns(&readout.0), (categories, size), FITTED)?;
-        Ok(parameters)
+        check_table("readout", &columns(&readout.0), (categories, size), FITTED)
     }
 
     fn push(&self, network: &Parameters, contact: &mut Contact, sample: &Sample) -> Result<bool, SampleFault> {

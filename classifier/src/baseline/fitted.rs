@@ -42,8 +42,8 @@ pub(super) trait Baseline:
     /// Fits to trials.
     fn learn(&self, trials: &TrialsByCategory) -> Result<Self::Parameters, ModelError>;
 
-    /// Checks what a file holds, for this many categories.
-    fn checked(&self, parameters: Self::Parameters, categories: usize) -> Result<Self::Parameters, Fault>;
+    /// Checks what a file holds, for this many categories, and makes it ready for use.
+    fn check_parameters(&self, parameters: &mut Self::Parameters, categories: usize) -> Result<(), Fault>;
 
     /// As [`ContactScorer::push`].
     fn push(
@@ -86,14 +86,14 @@ impl<B: Baseline> Estimator for B {
 }
 
 fn load<B: Baseline>(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
-    let Keys { categories, options, parameters } = document.read::<Keys<B, B::Parameters>>()?;
+    let Keys { categories, options, mut parameters } = document.read::<Keys<B, B::Parameters>>()?;
     if categories.is_empty() || !categories.is_sorted_by(|a, b| a < b) {
         let found = categories.join(", ");
         return Err(document.error("categories", found, "one or more names in alphabetical order, none twice"));
     }
     options.check().map_err(|fault| document.fault(fault.within("options")))?;
-    let parameters = options.checked(parameters, categories.len());
-    let parameters = parameters.map_err(|fault| document.fault(fault.within("parameters")))?;
+    let checked = options.check_parameters(&mut parameters, categories.len());
+    checked.map_err(|fault| document.fault(fault.within("parameters")))?;
     Ok(Box::new(Arc::new(Fitted { options, categories, parameters })))
 }
 

@@ -4,8 +4,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::stop;
-use underbrush_recording::{Limits, Sample, math};
+use underbrush_recording::{Limits, Sample, math, stop};
 
 use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
 use super::table::{Row, Standardization, Table};
@@ -114,11 +113,10 @@ impl Baseline for Logistic {
         Ok(Parameters { standardization, weights: fitted::columns(&weights.transpose()) })
     }
 
-    fn checked(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
+    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), Fault> {
         let dimension = Selection::of(self.features).dimension();
         parameters.standardization.check(dimension).map_err(|fault| fault.within("standardization"))?;
-        check_table("weights", &parameters.weights, (categories, dimension + 1), FITTED)?;
-        Ok(parameters)
+        check_table("weights", &parameters.weights, (categories, dimension + 1), FITTED)
     }
 
     fn push(&self, _: &Parameters, contact: &mut StreamFeatures, sample: &Sample) -> Result<bool, SampleFault> {
@@ -193,10 +191,8 @@ fn minimize(table: &Table, columns: usize, penalty: f64) -> Result<DMatrix<f64>,
         // The quadratic model predicts a further decrease of half of this, in nats.
         let decrement = step.gradient.dot(&direction);
         if !decrement.is_finite() {
-            return Err(ModelError::Mismatch {
-                found: format!("a logistic regression with penalty {penalty} that has no minimum"),
-                allowed: "finite features and a positive penalty".into(),
-            });
+            let found = format!("a logistic regression with penalty {penalty} that has no minimum");
+            return Err(ModelError::mismatch(found, "finite features and a positive penalty"));
         }
         if decrement < 1e-14 {
             break;

@@ -2,8 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::stop;
-use underbrush_recording::{Limits, Sample};
+use underbrush_recording::{Limits, Sample, stop};
 
 use super::convolution::{Convolutions, KERNELS, Outputs};
 use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
@@ -17,10 +16,7 @@ use crate::{ClassifierKind, FeatureSet, SampleFault};
 pub(crate) const KIND: ClassifierKind = fitted::kind::<MiniRocket>(
     &["minirocket"],
     "MiniRocket: how often the outputs of 84 fixed convolutions are high, and ridge regression on that",
-    |features| {
-        let default = MiniRocket::default();
-        Box::new(MiniRocket { features: features.unwrap_or(default.features), ..default })
-    },
+    |features| Box::new(MiniRocket { features: features.unwrap_or(DEFAULT.features), ..DEFAULT }),
 );
 
 /// Numbers of thresholds. Choice: the original has 9,996; the cost of a fit grows with the square of their number.
@@ -79,11 +75,14 @@ pub struct MiniRocket {
     pub penalty: f64,
 }
 
+/// The options without any wishes of the caller.
+const DEFAULT: MiniRocket = MiniRocket { features: TAXEL_AND_REGION, thresholds: 1008, penalty: 1.0 };
+
 impl Default for MiniRocket {
     /// The features of taxel and region, and two thresholds for each convolution of contacts of up to 2.6 s. Choice: a penalty of
     /// 1; between 0.1 and 10 the balanced accuracy on held-out reaches changes by 2 points.
     fn default() -> Self {
-        MiniRocket { features: TAXEL_AND_REGION, thresholds: 1008, penalty: 1.0 }
+        DEFAULT
     }
 }
 
@@ -112,11 +111,10 @@ impl Baseline for MiniRocket {
         Ok(Parameters { convolutions, weights: fitted::columns(&weights) })
     }
 
-    fn checked(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
+    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), Fault> {
         let Parameters { convolutions, weights } = parameters;
-        let convolutions = convolutions.checked(self.features).map_err(|fault| fault.within("convolutions"))?;
-        check_table("weights", &weights, (categories, convolutions.dimension() + 1), FITTED)?;
-        Ok(Parameters { convolutions, weights })
+        convolutions.check(self.features).map_err(|fault| fault.within("convolutions"))?;
+        check_table("weights", weights, (categories, convolutions.dimension() + 1), FITTED)
     }
 
     fn push(&self, parameters: &Parameters, contact: &mut Outputs, sample: &Sample) -> Result<bool, SampleFault> {

@@ -14,9 +14,7 @@ use crate::{ClassifierKind, FeatureSet, SampleFault};
 pub(crate) const KIND: ClassifierKind = fitted::kind::<NaiveBayes>(
     &[],
     "Naive Bayes on statistics of the taxel's force and motion since contact",
-    |features| {
-        Box::new(features.map_or(NaiveBayes::default(), |features| NaiveBayes { features, ..NaiveBayes::default() }))
-    },
+    |features| Box::new(NaiveBayes { features: features.unwrap_or(DEFAULT.features), ..DEFAULT }),
 );
 
 /// [`KIND`] with a single feature: the baseline that a classifier of contacts must beat.
@@ -81,10 +79,13 @@ impl NaiveBayes {
     }
 }
 
+/// The options without any wishes of the caller.
+const DEFAULT: NaiveBayes = NaiveBayes { features: FeatureSet::FORCE_AND_MOTION, only_peak_force: false };
+
 impl Default for NaiveBayes {
     /// Force and motion of the taxel.
     fn default() -> Self {
-        NaiveBayes { features: FeatureSet::FORCE_AND_MOTION, only_peak_force: false }
+        DEFAULT
     }
 }
 
@@ -117,8 +118,7 @@ impl Baseline for NaiveBayes {
             false => Table::of(trials, &selection)?,
         };
         let standardization = Standardization::of(&mut table, &selection);
-        let (mut mean, mut variance) = (Vec::new(), Vec::new());
-        for category in 0..table.categories {
+        let of_category = |category: usize| -> (Vec<f64>, Vec<f64>) {
             let rows = || table.rows.iter().filter(move |row| row.category == category);
             let total: f64 = rows().map(|row| row.weight).sum();
             let of_feature = |d: usize| {
@@ -126,19 +126,17 @@ impl Baseline for NaiveBayes {
                 let squares = rows().map(|row| row.weight * (row.features[d] - mean).powi(2));
                 (mean, (squares.sum::<f64>() / total).max(MIN_VARIANCE))
             };
-            let (means, variances): (Vec<f64>, Vec<f64>) = (0..selection.dimension()).map(of_feature).unzip();
-            mean.push(means);
-            variance.push(variances);
-        }
+            (0..selection.dimension()).map(of_feature).unzip()
+        };
+        let (mean, variance) = (0..table.categories).map(of_category).unzip();
         Ok(Parameters { standardization, mean, variance })
     }
 
-    fn checked(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
+    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), Fault> {
         let dimension = self.selection().dimension();
         parameters.standardization.check(dimension).map_err(|fault| fault.within("standardization"))?;
         check_table("mean", &parameters.mean, (categories, dimension), FITTED)?;
-        check_table("variance", &parameters.variance, (categories, dimension), POSITIVE)?;
-        Ok(parameters)
+        check_table("variance", &parameters.variance, (categories, dimension), POSITIVE)
     }
 
     fn push(&self, _: &Parameters, contact: &mut StreamFeatures, sample: &Sample) -> Result<bool, SampleFault> {

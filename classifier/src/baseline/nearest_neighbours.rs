@@ -14,10 +14,7 @@ use crate::feature::{AREA, FORCE, FeatureSet, MOTION, SampleFault};
 pub(crate) const KIND: ClassifierKind = fitted::kind::<NearestNeighbours>(
     &[],
     "The authors' earlier method: nearest neighbours on principal components of the first half second",
-    |features| {
-        let default = NearestNeighbours::default();
-        Box::new(NearestNeighbours { features: features.unwrap_or(default.features), ..default })
-    },
+    |features| Box::new(NearestNeighbours { features: features.unwrap_or(DEFAULT.features), ..DEFAULT }),
 );
 
 /// Samples of a window. Choice: ten seconds at 100 Hz; the cost of a fit grows with the cube of the window.
@@ -82,16 +79,19 @@ pub struct NearestNeighbours {
     pub explained: f64,
 }
 
+/// The options without any wishes of the caller.
+const DEFAULT: NearestNeighbours = NearestNeighbours {
+    features: FeatureSet::new([&FORCE, &AREA, &MOTION]),
+    window: 50,
+    neighbours: 5,
+    explained: 0.95,
+};
+
 impl Default for NearestNeighbours {
     /// Choice: half a second at 100 Hz, since most contacts are shorter, and padding them further adds nothing; five
     /// votes, and the components that explain 95 % of the variance.
     fn default() -> Self {
-        NearestNeighbours {
-            features: FeatureSet::new([&FORCE, &AREA, &MOTION]),
-            window: 50,
-            neighbours: 5,
-            explained: 0.95,
-        }
+        DEFAULT
     }
 }
 
@@ -148,8 +148,8 @@ impl Baseline for NearestNeighbours {
         })
     }
 
-    fn checked(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
-        let Parameters { mean, scale, components, category, trials } = &parameters;
+    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), Fault> {
+        let Parameters { mean, scale, components, category, trials } = parameters;
         let (channels, count) = (self.features.dimension(), components.0.ncols());
         let length = channels * self.window;
         check_list("mean", mean, length, FITTED)?;
@@ -163,7 +163,7 @@ impl Baseline for NearestNeighbours {
             let found = format!("an index beyond {}", categories - 1);
             return Err(Fault::new("category", found, "indices of categories, from 0"));
         }
-        Ok(parameters)
+        Ok(())
     }
 
     fn push(&self, _: &Parameters, contact: &mut Vec<f64>, sample: &Sample) -> Result<bool, SampleFault> {

@@ -47,10 +47,8 @@ pub(super) fn fit(
             }
         }
     }
-    solve(products, &targets, penalty).ok_or_else(|| ModelError::Mismatch {
-        found: format!("a regression with penalty {penalty} that has no solution"),
-        allowed: "finite features and a positive penalty".into(),
-    })
+    solve(products, &targets, penalty)
+        .ok_or_else(|| ModelError::no_solution(penalty, "finite features and a positive penalty"))
 }
 
 /// Adds weighted rows, four at a time, because the sums are too many for the fastest memory.

@@ -96,7 +96,7 @@ impl Baseline for Trees {
         Ok(Parameters { trees })
     }
 
-    fn checked(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
+    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), Fault> {
         let dimension = Selection::of(self.features).dimension();
         let fits = |own: &Boosted| own.features() == dimension;
         if parameters.trees.len() != categories || !parameters.trees.iter().all(fits) {
@@ -104,7 +104,7 @@ impl Baseline for Trees {
             let allowed = format!("trees of {categories} categories over {dimension} stream features");
             return Err(Fault::new("trees", found, allowed));
         }
-        Ok(parameters)
+        Ok(())
     }
 
     fn push(&self, _: &Parameters, contact: &mut StreamFeatures, sample: &Sample) -> Result<bool, SampleFault> {

@@ -9,8 +9,7 @@
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::math;
-use underbrush_recording::stop;
+use underbrush_recording::{math, stop};
 
 use packed::{Node, Packed, Span};
 

@@ -6,13 +6,11 @@
 mod error;
 mod list;
 mod observations;
-mod scaling;
 mod set;
 
 pub use error::{FeatureError, SampleFault};
 pub use list::{AREA, FEATURES, FORCE, Feature, MOTION, REGION_FORCE_SUM, REGION_MAX_FORCE};
-pub use observations::Observations;
-pub use scaling::Scaling;
+pub use observations::{Observations, Scaling};
 pub use set::FeatureSet;
 pub(crate) use set::feature_list_schema;
 

@@ -64,10 +64,7 @@ impl FeatureSet {
             if features.contains(&Some(feature)) {
                 return Err(FeatureError::Repeated { found: feature.name });
             }
-            let Some(place) = features.get_mut(index) else {
-                return Err(FeatureError::TooMany { allowed: MOST });
-            };
-            *place = Some(feature);
+            *features.get_mut(index).ok_or(FeatureError::TooMany { allowed: MOST })? = Some(feature);
         }
         match features[0] {
             None => Err(FeatureError::NoFeatures),
@@ -127,8 +124,7 @@ impl FeatureSet {
         for (feature, place) in self.iter().zip(values) {
             let value = feature.read(sample).ok_or(SampleFault::Missing(feature))?;
             if !value.is_finite() {
-                let column = feature.column;
-                return Err(SampleFault::NotFinite { column, value });
+                return Err(SampleFault::NotFinite { column: feature.column, value });
             }
             *place = value;
         }

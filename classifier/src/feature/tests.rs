@@ -111,17 +111,14 @@ fn bad_trials_are_named() {
 fn scaling_gives_zero_mean_and_unit_deviation() {
     // Tests z-scoring by hand-computed figures: values 1, 2, 3, 6 have mean 3 and variance (4+1+0+9)/4.
     let parts = [Observations::new(1, vec![1.0, 2.0]).unwrap(), Observations::new(1, vec![3.0, 6.0]).unwrap()];
-    let scaling = Scaling::fit(FeatureSet::FORCE, parts.iter()).unwrap();
+    let scaling = Scaling::fit(&["force_n"], parts.iter()).unwrap();
     assert_eq!(scaling.mean, [3.0]);
     assert!((scaling.standard_deviation[0] - 3.5f64.sqrt()).abs() < 1e-15);
     let mut last = parts[1].clone();
     scaling.apply_all(&mut last);
     assert!((last.sample(1)[0] - 3.0 / 3.5f64.sqrt()).abs() < 1e-15);
     let constant = [Observations::new(1, vec![0.1; 7]).unwrap()];
-    assert_eq!(
-        Scaling::fit(FeatureSet::FORCE, constant.iter()),
-        Err(FeatureError::Constant { feature: "force_n".into() })
-    );
+    assert_eq!(Scaling::fit(&["force_n"], constant.iter()), Err(FeatureError::Constant { feature: "force_n".into() }));
 }
 
 /// Tests how channels are named: as features and in files `column:NAME`, a known column by its feature, and nothing without a

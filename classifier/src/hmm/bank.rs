@@ -1,7 +1,6 @@
 //! Filters for many streams at once: one for each taxel in contact and each model.
 
-use super::filter::{STREAMS, ScoreKind, Weights};
-use super::scorer::Scorer;
+use super::filter::{STREAMS, ScoreKind, Scorer, Weights};
 use super::tile::Tile;
 use crate::vector::vectorized;
 
@@ -78,7 +77,7 @@ impl FilterBank {
                     }
                     let filters = group.weights.iter_mut().zip(&mut group.scores);
                     for (scorer, (weights, score)) in self.models.iter().zip(filters) {
-                        weights.step(&scorer.model, &scorer.tables, &group.sample, group.fresh, group.waiting);
+                        weights.step(scorer, &group.sample, group.fresh, group.waiting);
                         *score = weights.scores();
                     }
                     group.fresh = [0.0; STREAMS];

@@ -5,23 +5,18 @@
 //! sequences, and a `FilterBank` follows streams sample by sample with the same code.
 
 mod bank;
-mod covariance;
 mod filter;
 mod gaussian;
 mod model;
-mod scorer;
 mod start;
 mod statistics;
 mod tile;
 mod topology;
 mod train;
-mod training_error;
 
 pub(crate) use bank::FilterBank;
-pub use filter::ScoreKind;
+pub use filter::{ScoreKind, Scorer};
 pub use model::{GaussianHmm, HmmParameters, ParameterError};
-pub use scorer::Scorer;
 pub use start::equal_slice_start;
 pub use topology::{InitialDistribution, Topology};
-pub use train::{Stop, TrainingHistory, TrainingOptions, train};
-pub use training_error::TrainingError;
+pub use train::{Stop, TrainingError, TrainingHistory, TrainingOptions, train};

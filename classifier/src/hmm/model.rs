@@ -59,8 +59,7 @@ const ROW_SUM_TOLERANCE: f64 = 1e-6;
 pub struct GaussianHmm {
     /// Number of states N.
     pub states: usize,
-    pub(super) dimension: usize,
-    pub(super) parameters: HmmParameters,
+    parameters: HmmParameters,
     /// Means and covariances as densities need them; checking the covariances computes them anyway.
     pub(super) gaussians: Gaussians,
 }
@@ -105,12 +104,12 @@ impl GaussianHmm {
                 "train with a variance floor above 0, or raise the diagonal",
             )
         })?;
-        Ok(GaussianHmm { states, dimension, parameters, gaussians })
+        Ok(GaussianHmm { states, parameters, gaussians })
     }
 
     /// Number of features D.
     pub fn dimension(&self) -> usize {
-        self.dimension
+        self.gaussians.dimension
     }
 
     /// The parameters in the form that is written to a file.

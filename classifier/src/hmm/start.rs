@@ -1,10 +1,9 @@
 //! Initial parameters for training, from equal time slices.
 
-use super::covariance::{floor_eigenvalues, is_singular};
+use super::gaussian::{floor_eigenvalues, is_singular};
 use super::model::{GaussianHmm, HmmParameters};
 use super::topology::{InitialDistribution, Topology};
-use super::train::{check_sequences, largest_observation};
-use super::training_error::TrainingError;
+use super::train::{TrainingError, check_sequences, largest_observation};
 use crate::feature::Observations;
 
 /// An initial model for Baum-Welch. State j of N gets the mean and covariance of the j-th of N equal time slices,

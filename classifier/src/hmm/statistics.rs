@@ -54,7 +54,7 @@ impl Statistics {
         let scarce = statistics.occupancy.iter().any(few)
             || statistics.transition.chunks_exact(model.states).any(|row| (1e-300..FEW).contains(&departures(row)));
         if scarce {
-            let mut exact = Self::zero(model.states, model.dimension);
+            let mut exact = Self::zero(model.states, model.dimension());
             let mut pass = exact::Pass::new(model);
             for (index, sequence) in sequences.iter().enumerate() {
                 exact.count_exactly(model, sequence, &mut pass).ok_or(index)?;
@@ -67,7 +67,7 @@ impl Statistics {
     /// [`Statistics::collect`] without the repetition for states that hardly occur.
     fn collect_scaled(model: &GaussianHmm, sequences: &[Observations]) -> Result<Self, usize> {
         let linear = LinearModel::new(model);
-        let mut statistics = Self::zero(model.states, model.dimension);
+        let mut statistics = Self::zero(model.states, model.dimension());
         let mut exact = exact::Pass::new(model);
         vectorized(
             #[inline(always)]
@@ -99,7 +99,7 @@ impl Statistics {
 
     /// Adds the state probabilities γ of one sample.
     fn count_sample(&mut self, model: &GaussianHmm, sample: &[f64], probability: &[f64]) {
-        let d = model.dimension;
+        let d = model.dimension();
         for (state, &gamma) in probability.iter().enumerate() {
             if gamma == 0.0 {
                 continue;

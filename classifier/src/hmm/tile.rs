@@ -51,11 +51,6 @@ pub(super) fn multiply(a: Tile, b: Tile) -> Tile {
     zip(a, b, |a, b| a * b)
 }
 
-#[inline(always)]
-pub(super) fn scale(a: Tile, factor: f64) -> Tile {
-    map(a, |a| a * factor)
-}
-
 /// The larger of two numbers that are not NaN. Unlike `f64::max`, which handles NaN, this is a single instruction.
 #[inline(always)]
 pub(super) fn larger(a: f64, b: f64) -> f64 {

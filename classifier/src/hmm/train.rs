@@ -1,13 +1,13 @@
-//! Baum-Welch training, its history, and why it stopped.
+//! Baum-Welch training, its history, and why it stopped or failed.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 use underbrush_recording::stop;
 
-use super::covariance::{floor_eigenvalues, is_singular};
-use super::model::GaussianHmm;
+use super::gaussian::{floor_eigenvalues, is_singular};
+use super::model::{GaussianHmm, ParameterError};
 use super::statistics::Statistics;
-use super::training_error::TrainingError;
 use crate::feature::Observations;
 
 /// Options of Baum-Welch training.
@@ -69,6 +69,61 @@ pub struct TrainingHistory {
     pub empty_states: Vec<usize>,
 }
 
+/// Why a model cannot be trained.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum TrainingError {
+    /// There are no sequences.
+    #[error("there are no trials to train on; add trials with this category")]
+    NoSequences,
+    /// Sequences, or a sequence and the initial model, differ in their number of features.
+    #[error(
+        "sequence {sequence} (counted from 0) has {found} features per sample, others {expected}; use one feature set for all"
+    )]
+    Dimension {
+        /// Index of the sequence.
+        sequence: usize,
+        /// Its number of features.
+        found: usize,
+        /// The number of features expected.
+        expected: usize,
+    },
+    /// A state's Gaussian has no spread in some direction.
+    #[error(
+        "the covariance of state {state} (counted from 0) is singular after iteration {iteration}: the state has settled on \
+         repeated samples; set a variance floor above 0, use fewer states, or give more trials"
+    )]
+    SingularCovariance {
+        /// The state, counted from 0.
+        state: usize,
+        /// The iteration, counted from 1; 0 is the initial model.
+        iteration: usize,
+    },
+    /// The model gives a sequence probability zero.
+    #[error(
+        "sequence {sequence} (counted from 0) has probability zero under the model before iteration {iteration}; check its \
+         units, or start from other parameters"
+    )]
+    Impossible {
+        /// Index of the sequence.
+        sequence: usize,
+        /// The iteration, counted from 1.
+        iteration: usize,
+    },
+    /// An option is out of range.
+    #[error("{option} is {found}; allowed: {allowed}")]
+    BadOption {
+        /// Name of the option.
+        option: &'static str,
+        /// What was given.
+        found: String,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// The parameters are invalid.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+}
+
 /// A state with a smaller expected count is empty: its counts are near the smallest numbers of f64.
 const EMPTY_OCCUPANCY: f64 = 1e-250;
 
@@ -93,8 +148,8 @@ pub fn train(
         }
     }
     let found = check_sequences(sequences)?;
-    if found != start.dimension {
-        return Err(TrainingError::Dimension { sequence: 0, found, expected: start.dimension });
+    if found != start.dimension() {
+        return Err(TrainingError::Dimension { sequence: 0, found, expected: start.dimension() });
     }
     let largest = largest_observation(sequences);
     let collect = |model: &GaussianHmm, iteration| {
@@ -152,7 +207,7 @@ fn maximize(
     largest_observation: f64,
     iteration: usize,
 ) -> Result<GaussianHmm, TrainingError> {
-    let (n, d) = (model.states, model.dimension);
+    let (n, d) = (model.states, model.dimension());
     let mut parameters = model.parameters().clone();
     normalize(&statistics.initial, &mut parameters.initial);
     for (counts, row) in statistics.transition.chunks_exact(n).zip(&mut parameters.transition) {

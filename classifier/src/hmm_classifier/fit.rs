@@ -31,7 +31,7 @@ impl HmmClassifier {
         let scaling = match recipe.scaling {
             ScalingKind::Unscaled => None,
             ScalingKind::ZScore => {
-                let scaling = Scaling::fit(recipe.features, sequences.values().flatten())?;
+                let scaling = Scaling::fit(&recipe.features.columns(), sequences.values().flatten())?;
                 sequences.values_mut().flatten().for_each(|sequence| scaling.apply_all(sequence));
                 Some(scaling)
             }

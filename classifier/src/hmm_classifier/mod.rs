@@ -1,20 +1,18 @@
 //! The paper's classifier: one hidden Markov model per category (section III).
 
-mod check;
 mod file;
 mod fit;
-mod online;
 
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 use schemars::JsonSchema;
-use serde_json::Value;
-use underbrush_recording::{Trial, stop};
+use serde_json::{Value, json};
+use underbrush_recording::{Sample, Trial, stop};
 
 use crate::estimator::{Classifier, ClassifierKind, Estimator, OnlineScorer};
-use crate::feature::{FeatureError, FeatureSet, Observations, Scaling};
-use crate::hmm::{GaussianHmm, ScoreKind, Scorer, TrainingHistory};
+use crate::feature::{FeatureError, FeatureSet, Observations, SampleFault, Scaling};
+use crate::hmm::{FilterBank, GaussianHmm, ScoreKind, Scorer, TrainingHistory};
 use crate::{ModelError, Recipe};
 
 /// The entry in the list of classifiers.
@@ -92,17 +90,16 @@ impl HmmClassifier {
     /// [`ModelError::Mismatch`] if there are no models or one has another number of features.
     pub fn new(features: FeatureSet, models: BTreeMap<String, GaussianHmm>) -> Result<Self, ModelError> {
         if models.is_empty() {
-            return Err(ModelError::Mismatch { found: "no models".into(), allowed: "at least one model".into() });
+            return Err(ModelError::mismatch("no models", "at least one model"));
         }
         if let Some((category, model)) = models.iter().find(|(_, model)| model.dimension() != features.dimension()) {
-            return Err(ModelError::Mismatch {
-                found: format!("a model of {category} over {} features", model.dimension()),
-                allowed: format!("models over the {} features {:?}", features.dimension(), features.columns()),
-            });
+            let found = format!("a model of {category} over {} features", model.dimension());
+            let allowed = format!("models over the {} features {:?}", features.dimension(), features.columns());
+            return Err(ModelError::mismatch(found, allowed));
         }
         Ok(HmmClassifier {
             features,
-            models: prepared(models),
+            models: models.into_iter().map(|(category, model)| (category, model.into())).collect(),
             scaling: None,
             score: None,
             recipe: None,
@@ -150,11 +147,6 @@ impl HmmClassifier {
     }
 }
 
-fn prepared(models: BTreeMap<String, GaussianHmm>) -> BTreeMap<String, Scorer> {
-    let models = models.into_iter();
-    models.map(|(category, model)| (category, model.into())).collect()
-}
-
 impl Classifier for HmmClassifier {
     fn name(&self) -> &'static str {
         KIND.name
@@ -169,11 +161,18 @@ impl Classifier for HmmClassifier {
     }
 
     fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
-        Box::new(online::HmmOnlineScorer::new(self, contacts))
+        Box::new(HmmOnlineScorer::new(self, contacts))
     }
 
     fn file_entries(&self) -> Vec<(&'static str, Value)> {
-        self.entries()
+        let models: BTreeMap<_, _> = self.models.iter().map(|(name, own)| (name, own.model.parameters())).collect();
+        vec![
+            ("features", json!(self.features.columns())),
+            ("recipe", json!(self.recipe)),
+            ("scaling", json!(self.scaling)),
+            ("models", json!(models)),
+            ("training", json!(self.training)),
+        ]
     }
 
     /// This uses all threads and is several times as fast as scoring the trials one by one.
@@ -198,6 +197,64 @@ impl Classifier for HmmClassifier {
 
     fn training(&self) -> Option<&BTreeMap<String, TrainingHistory>> {
         Some(&self.training)
+    }
+}
+
+/// A bank of filters, one per contact and model. Nothing is allocated after it is made.
+#[derive(Debug)]
+struct HmmOnlineScorer {
+    features: FeatureSet,
+    scaling: Option<Scaling>,
+    max_samples: usize,
+    bank: FilterBank,
+    /// Samples of each contact so far.
+    samples: Vec<usize>,
+    /// The features of the current sample.
+    values: Vec<f64>,
+}
+
+impl HmmOnlineScorer {
+    fn new(classifier: &HmmClassifier, contacts: usize) -> Self {
+        let models = classifier.models.values().cloned().collect();
+        HmmOnlineScorer {
+            features: classifier.features,
+            scaling: classifier.scaling.clone(),
+            max_samples: classifier.max_samples().unwrap_or(usize::MAX),
+            bank: FilterBank::new(classifier.score_kind(), models, contacts),
+            samples: vec![0; contacts],
+            values: vec![0.0; classifier.features.dimension()],
+        }
+    }
+}
+
+impl OnlineScorer for HmmOnlineScorer {
+    fn begin(&mut self, contact: usize) {
+        self.samples[contact] = 0;
+        self.bank.begin(contact);
+    }
+
+    fn push(&mut self, contact: usize, sample: &Sample) -> Result<bool, SampleFault> {
+        if self.samples[contact] >= self.max_samples {
+            return Ok(false);
+        }
+        self.features.read(sample, &mut self.values)?;
+        if let Some(scaling) = &self.scaling {
+            scaling.apply(&mut self.values);
+        }
+        self.features.check_scaled(&self.values)?;
+        self.bank.put(contact, &self.values);
+        self.samples[contact] += 1;
+        Ok(true)
+    }
+
+    fn advance(&mut self) {
+        self.bank.advance();
+    }
+
+    fn scores(&self, contact: usize, scores: &mut [f64]) -> Result<(), ModelError> {
+        let found = self.bank.scores(contact);
+        scores.iter_mut().zip(found).for_each(|(place, score)| *place = score);
+        Ok(())
     }
 }
 

@@ -19,7 +19,7 @@ use crate::error::{Fault, ModelError, check_limits};
 use crate::hmm_classifier::{self, HmmClassifier};
 use crate::provenance::Provenance;
 use crate::registry::{self, CLASSIFIERS};
-use crate::{Classifier, ClassifierKind, ScoreKind, file_text, seal};
+use crate::{Classifier, ClassifierKind, ScoreKind, seal};
 
 /// What a model file holds.
 ///
@@ -159,7 +159,7 @@ impl Model {
         entries.push(("format", json!(FORMAT)));
         entries.push(("decision", json!(self.decision)));
         entries.push(("provenance", json!(self.provenance)));
-        file_text::sealed(entries)
+        seal::sealed(entries)
     }
 
     /// The hidden Markov models.
@@ -176,10 +176,8 @@ impl Model {
     /// [`ModelError::Mismatch`] if the classifier is of another kind.
     pub fn score_by(&mut self, kind: ScoreKind) -> Result<(), ModelError> {
         let name = self.classifier.name();
-        match (&mut *self.classifier as &mut dyn Any).downcast_mut::<HmmClassifier>() {
-            Some(hmm) => hmm.score = Some(kind),
-            None => return Err(not_hmm(name)),
-        }
+        let hmm = (&mut *self.classifier as &mut dyn Any).downcast_mut::<HmmClassifier>();
+        hmm.ok_or_else(|| not_hmm(name))?.score = Some(kind);
         Ok(())
     }
 }
@@ -220,10 +218,7 @@ pub(crate) fn warn_of_one_category(categories: &[String]) {
 }
 
 fn not_hmm(name: &str) -> ModelError {
-    ModelError::Mismatch {
-        found: format!("a model of the classifier {name}"),
-        allowed: "hidden Markov models (hmm)".into(),
-    }
+    ModelError::mismatch(format!("a model of the classifier {name}"), "hidden Markov models (hmm)")
 }
 
 /// Margins: more than a day at 100 Hz with a hundred nats per sample.

@@ -13,6 +13,7 @@ use crate::feature::{
 mod state;
 
 pub use state::StreamFeatures;
+pub(crate) use state::{Moments, features};
 
 /// The stream features of each channel, in the channel's own unit.
 pub const CHANNEL_FEATURES: [&str; 6] = ["last", "first", "largest", "smallest", "mean", "deviation"];
@@ -81,8 +82,7 @@ impl Selection {
         let mut values = [0.0; StreamFeatures::COUNT];
         self.inputs.read(sample, &mut values)?;
         if !sample.time_s.is_finite() {
-            let (column, value) = ("time_s", sample.time_s);
-            return Err(SampleFault::NotFinite { column, value });
+            return Err(SampleFault::NotFinite { column: "time_s", value: sample.time_s });
         }
         // All channels were read above.
         let channels: Vec<f64> = self.channels().map(|channel| channel.read(sample).unwrap_or_default()).collect();

@@ -1,11 +1,54 @@
-//! Running statistics of one contact.
+//! Running statistics of one contact, and what such statistics are made of.
 
 use underbrush_recording::{Sample, math};
 
 use super::CHANNEL_FEATURES;
 use crate::feature::{AREA, FORCE, Feature, MOTION, REGION_FORCE_SUM, REGION_MAX_FORCE};
-use crate::feature_table::features;
-use crate::moments::Moments;
+
+/// Running mean and sum of squared deviations (Welford 1962, Technometrics 4).
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Moments {
+    pub(crate) mean: f64,
+    pub(crate) squares: f64,
+}
+
+impl Moments {
+    /// Adds the `count`-th value and returns its deviation from the previous mean.
+    pub(crate) fn push(&mut self, count: f64, value: f64) -> f64 {
+        let deviation = value - self.mean;
+        self.mean += deviation / count;
+        self.squares += deviation * (value - self.mean);
+        deviation
+    }
+}
+
+/// A function that computes features, from a list with an entry for each: its name, what else is known of it, and how it is
+/// computed. The names and what else is known become constants beside the function.
+macro_rules! features {
+    (
+        $(#[$column_doc:meta])* const $column:ident: $known:ty;
+        $(#[$doc:meta])* $vis:vis fn values(&$this:ident $(, $argument:ident: $type:ty)* $(,)?) {
+            $(let $local:pat = $first:expr;)*
+            $(($name:literal, $of_name:expr, $value:expr),)*
+        }
+    ) => {
+        /// Number of features.
+        pub const COUNT: usize = [$($name),*].len();
+
+        /// Names of the features, in order.
+        pub const NAMES: [&'static str; Self::COUNT] = [$($name),*];
+
+        $(#[$column_doc])*
+        pub const $column: [$known; Self::COUNT] = [$($of_name),*];
+
+        $(#[$doc])*
+        $vis fn values(&$this $(, $argument: $type)*) -> [f64; Self::COUNT] {
+            $(let $local = $first;)*
+            [$($value),*]
+        }
+    };
+}
+pub(crate) use features;
 
 /// Values well below a knee are only multiplied by a factor; values above it are compressed logarithmically. Choice:
 /// forces near the contact threshold, motions of a tenth of a millimetre, rates that such changes give between two

@@ -3,8 +3,7 @@
 use glam::DVec3;
 
 use super::compress::{COUNT_KNEE, PLAIN, compress};
-use crate::feature_table::features;
-use crate::moments::Moments;
+use crate::stream_feature::{Moments, features};
 use underbrush_recording::math;
 
 /// Forces and motion of a contact region in one frame. Motions are means over its taxels, weighted by their forces.

@@ -18,7 +18,7 @@ use crate::document::{Document, Head};
 use crate::error::{ModelError, check_limits};
 use crate::model_file::warn_of_one_category;
 use crate::provenance::Provenance;
-use crate::{file_text, seal};
+use crate::seal;
 
 /// Forces above which a taxel is in contact.
 const THRESHOLD_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
@@ -113,7 +113,7 @@ impl TouchModel {
     pub fn save_string(&self) -> Result<String, ModelError> {
         let model = json!(self);
         let entries = model.as_object().into_iter().flatten();
-        let text = file_text::sealed(entries.map(|(key, value)| (key.as_str(), value.clone())).collect());
+        let text = seal::sealed(entries.map(|(key, value)| (key.as_str(), value.clone())).collect());
         if Self::from_json("the model to be written", &text)? == *self {
             return Ok(text);
         }

@@ -3,7 +3,6 @@
 
 mod component;
 mod image;
-mod tracking;
 mod trial_list;
 
 use serde::{Deserialize, Serialize};
@@ -13,9 +12,9 @@ use underbrush_recording::{Recording, Sample};
 
 use crate::error::Fault;
 
+pub use component::component_trials;
 pub(crate) use component::{Regions, neighbours_of_patch};
 pub use image::PatchImage;
-pub use tracking::component_trials;
 pub(crate) use trial_list::Travel;
 pub use trial_list::{ContactTrial, environment};
 
@@ -200,10 +199,7 @@ pub fn taxel_trials(recording: &Recording, options: &TrialOptions) -> Result<Vec
             trial.push(sample, image.object(taxel));
         }
     }
-    for trial in open {
-        trials.close(trial)?;
-    }
-    Ok(trials.finish())
+    trials.finish(open)
 }
 
 #[cfg(test)]

@@ -107,11 +107,16 @@ impl<'a> TrialList<'a> {
         Ok(())
     }
 
-    pub(super) fn finish(mut self) -> Vec<ContactTrial> {
+    /// All trials in their order, after closing those that are still open.
+    pub(super) fn finish(
+        mut self,
+        open: impl IntoIterator<Item = Option<OpenTrial>>,
+    ) -> Result<Vec<ContactTrial>, TrialError> {
+        open.into_iter().try_for_each(|trial| self.close(trial))?;
         self.closed.sort_by_key(|(key, _)| *key);
         let mut trials: Vec<ContactTrial> = self.closed.into_iter().map(|(_, trial)| trial).collect();
         trials.iter_mut().zip(0..).for_each(|(contact, number)| contact.trial.trial = number);
-        trials
+        Ok(trials)
     }
 }
 

@@ -5,11 +5,10 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use underbrush_classifier::any_model::{self, AnyModel};
+use underbrush_classifier::any_model::{self, AnyModel, OnlineJudge, OnlineModel};
 use underbrush_classifier::decision::{Decision, Verdict};
 use underbrush_classifier::evaluate::NOTHING;
 use underbrush_classifier::online::{OnlineClassifier, OnlineError, OnlineOptions};
-use underbrush_classifier::online_model::{OnlineJudge, OnlineModel};
 use underbrush_classifier::touch::Touch;
 use underbrush_classifier::trial::PatchImage;
 use underbrush_recording::disk::file_blake3;

@@ -3,10 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use underbrush_classifier::any_model::{self, AnyModel};
+use underbrush_classifier::any_model::{self, AnyModel, OnlineModel};
 use underbrush_classifier::evaluate::touch::TouchEvaluation;
 use underbrush_classifier::evaluate::{JudgedObject, Stream, StreamTruth, classify_stream, classify_touch_stream};
-use underbrush_classifier::online_model::OnlineModel;
 use underbrush_classifier::{Decision, ModelError, OnlineError, OnlineOptions};
 use underbrush_recording::{Fault, InputError, Recording};
 

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;
 
-use underbrush_classifier::online_model::OnlineModel;
+use underbrush_classifier::any_model::OnlineModel;
 use underbrush_recording::{Category, Fault, InputError};
 use underbrush_sim::{ReachPlan, Scene};
 

@@ -9,9 +9,8 @@ use std::sync::Arc;
 
 use clap::Args;
 use serde::Serialize;
-use underbrush_classifier::any_model::{self, AnyModel};
+use underbrush_classifier::any_model::{self, AnyModel, OnlineModel};
 use underbrush_classifier::decision::Verdict;
-use underbrush_classifier::online_model::OnlineModel;
 use underbrush_classifier::{OnlineOptions, ScoreKind, Scores};
 use underbrush_experiments::model_data;
 use underbrush_recording::disk::is_there;
@@ -126,7 +125,7 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
     let verdicts: Vec<TrialVerdict> = verdicts.collect();
     output::csv(json, "verdicts", &verdicts, |rows| {
         rows.column("trial", |row| row.trial.to_string())
-            .column("verdict", |row| row.verdict.to_string())
+            .column("verdict", |row| row.verdict.name())
             .column("truth", |row| row.truth.clone().unwrap_or_default())
     })
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde_json::json;
-use underbrush_classifier::online_model::{OnlineJudge, OnlineModel};
+use underbrush_classifier::any_model::{OnlineJudge, OnlineModel};
 use underbrush_exchange::live::{LineError, LineParser, Lines, Message};
 use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recording, read_trials};
 use underbrush_recording::{Frame, InputError, SkinLayout, math};

@@ -64,9 +64,8 @@ impl Baseline for NearestMean {
         Ok(Parameters { mean_n: trials.values().map(of_category).collect() })
     }
 
-    fn checked(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
-        check_table("mean_n", &parameters.mean_n, (categories, SAMPLES), FITTED)?;
-        Ok(parameters)
+    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), Fault> {
+        check_table("mean_n", &parameters.mean_n, (categories, SAMPLES), FITTED)
     }
 
     fn push(&self, _: &Parameters, contact: &mut Contact, sample: &Sample) -> Result<bool, SampleFault> {

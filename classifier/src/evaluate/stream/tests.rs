@@ -147,7 +147,7 @@ fn right_in_a_stream_is_right_as_a_trial() {
                 verdict: verdict.clone(),
             };
             let is_right = prediction.record(&categories).is_right(&categories);
-            assert_eq!(tally.correct == 1, is_right, "{truth:?} called {verdict}");
+            assert_eq!(tally.correct == 1, is_right, "{truth:?} called {}", verdict.name());
             if is_right {
                 right.push((truth, verdict.name()));
             }

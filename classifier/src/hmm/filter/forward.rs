@@ -64,16 +64,13 @@ impl ForwardTables {
             entries.extend((first..end).map(entry));
             into.push((first..end, begin..entries.len()));
         }
-        let parts: Vec<(f64, f64)> = entries.iter().map(|&p| split(p)).collect();
+        let (mantissa, exponent): (Vec<f64>, Vec<f64>) = entries.iter().map(|&p| split(p)).unzip();
+        let plain = |(&p, &exponent): (&f64, &f64)| if exponent < MIN_EXPONENT { 0.0 } else { p };
         ForwardTables {
             into,
-            probability: entries
-                .iter()
-                .zip(&parts)
-                .map(|(&p, part)| if part.1 < MIN_EXPONENT { 0.0 } else { p })
-                .collect(),
-            mantissa: parts.iter().map(|part| part.0).collect(),
-            exponent: parts.iter().map(|part| part.1).collect(),
+            probability: entries.iter().zip(&exponent).map(plain).collect(),
+            mantissa,
+            exponent,
             initial: initial.iter().map(|&p| split(p)).collect(),
         }
     }

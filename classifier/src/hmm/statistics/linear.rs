@@ -75,7 +75,7 @@ impl<'a> LinearModel<'a> {
 
 /// A square matrix stored by tiles of columns. In each tile, leading and trailing rows that are all zero are left out
 /// in whole tiles, which saves half of a left-to-right model.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(super) struct TiledMatrix {
     /// The rows of each tile, in order.
     pub(super) spans: Vec<Span>,

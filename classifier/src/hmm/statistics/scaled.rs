@@ -17,9 +17,7 @@ use std::f64::consts::LN_2;
 
 use crate::feature::Observations;
 use crate::hmm::statistics::linear::{LinearModel, TiledMatrix};
-use crate::hmm::tile::{
-    Tile, WIDTH, add, exponent, integer_power_of_two, larger, largest, map, multiply, scale, sum, zip,
-};
+use crate::hmm::tile::{Tile, WIDTH, add, exponent, integer_power_of_two, larger, largest, map, multiply, sum, zip};
 use underbrush_recording::math;
 
 /// The largest weight has about this base-2 exponent, and the smallest has the negative of it.
@@ -40,6 +38,7 @@ const MIN_PROBABILITY: f64 = 4.909093465297727e-91;
 const BLOCK: usize = 16;
 
 /// Forward-backward over one sequence at a time, and the sums over all sequences.
+#[derive(Default)]
 pub(super) struct Pass {
     states: usize,
     /// Transitions, rescaled by the states' exponents.
@@ -77,18 +76,13 @@ impl Pass {
             states,
             forward: model.forward.clone(),
             backward: model.backward.clone(),
-            ahead: Vec::new(),
-            weight: Vec::new(),
-            per_sum: Vec::new(),
-            probability: Vec::new(),
-            sound: Vec::new(),
-            exponents: Vec::new(),
             initial: zeros(1),
             occupancy: zeros(1),
             first: zeros(model.gaussians.dimension),
             second: zeros(model.gaussians.dimension * model.gaussians.dimension),
             transitions: vec![[0.0; WIDTH]; model.backward.rows.len()],
             own_transitions: vec![[0.0; WIDTH]; model.backward.rows.len()],
+            ..Pass::default()
         }
     }
 
@@ -140,7 +134,7 @@ impl Pass {
                 };
                 let sum = raise(sum, MIN_SUM);
                 *per_sum = map(sum, |sum| 1.0 / sum);
-                *weight = raise(multiply(sum, scale(*density, factor)), MIN_WEIGHT);
+                *weight = raise(zip(sum, *density, |sum, density| sum * (density * factor)), MIN_WEIGHT);
                 highest = zip(*weight, highest, larger);
             }
             top = exponent(largest(highest));

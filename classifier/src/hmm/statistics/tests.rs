@@ -38,7 +38,7 @@ fn press(samples: usize, dimension: usize, number: usize, rng: &mut ChaCha8Rng) 
 }
 
 fn exactly(model: &GaussianHmm, sequence: &Observations) -> Statistics {
-    let mut exact = Statistics::zero(model.states, model.dimension);
+    let mut exact = Statistics::zero(model.states, model.dimension());
     exact.count_exactly(model, sequence, &mut exact::Pass::new(model)).unwrap();
     exact
 }

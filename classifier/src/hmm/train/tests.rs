@@ -4,7 +4,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
 use super::*;
-use crate::hmm::scorer::tests::small_problem;
+use crate::hmm::filter::tests::small_problem;
 use crate::hmm::{HmmParameters, InitialDistribution, Topology, equal_slice_start};
 
 /// Draws a sequence of one feature from a model.

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::fit::Fit;
 use super::resistance::{Mobility, Place, Stiffness};
 use super::response::{RESPONSE_FEATURE_COUNT, Response};
-use crate::feature_table::features;
+use crate::stream_feature::features;
 use crate::touch::compress::{COUNT_KNEE, PLAIN, compress};
 use crate::touch::contact_history::{
     Course, MOTION_KNEE_M, Measure, REGION_FEATURE_COUNT, STIFFNESS_KNEE_N_PER_M, WORK_KNEE_J,

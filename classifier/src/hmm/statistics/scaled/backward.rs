@@ -117,7 +117,7 @@ impl Pass {
 
     /// Adds all counts to `statistics`.
     pub(in crate::hmm::statistics) fn add_to(&self, statistics: &mut Statistics, model: &GaussianHmm) {
-        let (n, d) = (self.states, model.dimension);
+        let (n, d) = (self.states, model.dimension());
         let padded = self.occupancy.len() * WIDTH;
         let (initial, occupancy) = (self.initial.as_flattened(), self.occupancy.as_flattened());
         let (first, second) = (self.first.as_flattened(), self.second.as_flattened());
