@@ -1,9 +1,8 @@
 //! Contact trials of recordings and data sets, by taxel or by component.
 
 use rayon::prelude::*;
-use underbrush_classifier::trial::{
-    Labels, TrialError, TrialOptions, Unit, component_trials, environment, taxel_trials,
-};
+use underbrush_classifier::TrialError;
+use underbrush_classifier::trial::{Labels, TrialOptions, Unit, component_trials, environment, taxel_trials};
 use underbrush_recording::{Category, Dataset, Fault, Recording, Trial};
 use underbrush_sim::reach::ReachError;
 

@@ -6,10 +6,8 @@ use std::ops::RangeInclusive;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use underbrush_recording::disk::{
-    ArmText, Dataset, DatasetPlan, FileText, PlannedEpisode, Provenance, SceneText, Shard,
-};
-use underbrush_recording::{Category, Fault, InputError, PLAIN, Recording, distinct, is_plain};
+use underbrush_recording::disk::{ArmText, DatasetPlan, FileText, PlannedEpisode, Provenance, SceneText, Shard};
+use underbrush_recording::{Category, Dataset, Fault, InputError, PLAIN, Recording, distinct, is_plain};
 use underbrush_sim::arm::{Arm, ArmSource};
 use underbrush_sim::campaign::{self, Job};
 use underbrush_sim::controller::{AllowedForces, ControllerKind, Preset};

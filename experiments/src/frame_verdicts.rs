@@ -1,13 +1,12 @@
 //! Frame-by-frame verdicts compared with ground truth (paper, sections V-B and V-D). Several figures are based on them.
 
-use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::evaluate::{ChosenThresholds, Stream, StreamTruth, Tally, classify_stream};
 use underbrush_classifier::{Decision, OnlineOptions, Rule};
 use underbrush_recording::{Category, Fault, Recording};
 
 use crate::reaches::{self, Found};
-use crate::{Experiment, Session, online_models, thresholds};
+use crate::{Experiment, Session, in_parallel, online_models};
 
 /// A reach classified online.
 pub struct Classified {
@@ -102,8 +101,8 @@ pub fn options(experiment: &Experiment, rule: Rule) -> OnlineOptions {
 /// Classifies all test reaches online.
 pub fn run(session: &Session) -> Result<Online, Fault> {
     let reaches = session.once(reaches::run)?;
-    let (models, thresholds) = (session.once(online_models::run)?, session.once(thresholds::run)?);
-    let (experiment, models) = (session.experiment, &models.0);
+    let (models, thresholds) = (session.once(online_models::run)?, session.once(online_models::thresholds)?);
+    let (experiment, models) = (session.experiment, &*models);
     // One reach after the other, because the time per frame is measured.
     let classify = |found: &Found, rule: Rule, truth: StreamTruth| {
         let options = options(experiment, rule);
@@ -130,7 +129,7 @@ pub fn run(session: &Session) -> Result<Online, Fault> {
                 by_object: classify(found, uncertain, StreamTruth::Object)?.pop(),
             })
         };
-        let engineered: Vec<Result<Engineered, Fault>> = reaches.engineered.par_iter().map(engineered).collect();
+        let engineered = in_parallel(&reaches.engineered, engineered);
         let outlier = classify_some(&reaches.outlier, Decision::paper().rule)?;
         let chosen = thresholds.chosen.as_ref().ok().filter(|_| reaches.outlier.is_some());
         let by_chosen = |chosen: &ChosenThresholds| -> Result<_, Fault> {
@@ -138,7 +137,7 @@ pub fn run(session: &Session) -> Result<Online, Fault> {
         };
         let outlier_by_chosen = chosen.map(by_chosen).transpose()?;
         Ok(Online {
-            engineered: engineered.into_iter().collect::<Result<_, _>>()?,
+            engineered: engineered?,
             general,
             general_drawn: drawn(&reaches.general),
             outlier,

@@ -6,18 +6,15 @@ use std::path::Path;
 use serde_json::{Value, json};
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::{Model, frequencies};
-use underbrush_recording::disk::{
-    ArmText, Dataset, FileText, is_folder, is_recording, is_there, read_recording, read_trials,
-};
+use underbrush_recording::disk::{ArmText, FileText, is_folder, is_recording, is_there, read_recording, read_trials};
 use underbrush_recording::math::median;
-use underbrush_recording::{Fault, InputError};
+use underbrush_recording::{Dataset, Fault, InputError};
 use underbrush_sim::arm::wedge::{Wedge, wedges};
 use underbrush_sim::arm::{Arm, ArmAtStart, is_arm_file};
 use underbrush_sim::scene::{Scene, shipped_by_name};
 use underbrush_sim::{Clutter, ReachPlan};
 
-use crate::audit;
-use crate::reach_ends::Ends;
+use crate::audit::{self, Ends};
 
 /// Checks a file or folder and says what it holds, as nested keys and values. A scene is drawn once, with this seed.
 ///

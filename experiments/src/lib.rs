@@ -20,32 +20,27 @@ pub mod inspection;
 pub mod model_data;
 pub mod online_models;
 mod progress;
-pub mod reach_ends;
 pub mod reaches;
 pub mod resampled;
-pub mod result_cache;
 pub mod results;
 pub mod run_folder;
 pub mod session;
-mod source;
 pub mod suite;
 pub mod table_cell;
-pub mod thresholds;
 pub mod torque_balance;
 pub mod training;
 pub mod verdict_controller;
-pub mod verdict_transfer;
-mod warnings;
 
 pub use accuracy::Accuracy;
 pub use dataset::Campaign;
 pub use definition::{Experiment, Unit};
-pub use progress::{Counter, Progress, Silent};
+pub use progress::{Counter, Progress, Silent, show_warnings};
 pub use results::Results;
 pub use session::Session;
 pub use table_cell::{Cell, CellKey, unit_name};
 pub use verdict_controller::VerdictControl;
-pub use warnings::show_warnings;
+
+use session::in_parallel;
 
 #[cfg(test)]
 mod tests;

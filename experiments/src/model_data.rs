@@ -6,10 +6,8 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::Value;
 use underbrush_classifier::{DataKind, DataSource, Provenance, frequencies};
-use underbrush_recording::disk::{
-    Dataset, DiskError, Episode, file_blake3, is_folder, is_recording, read_recording, read_trials,
-};
-use underbrush_recording::{Recording, period_s};
+use underbrush_recording::disk::{Episode, file_blake3, is_folder, is_recording, read_recording, read_trials};
+use underbrush_recording::{Dataset, DiskError, Recording, period_s};
 
 use crate::dataset::PROGRAM_VERSION;
 
@@ -35,19 +33,17 @@ pub fn of_path(path: &Path) -> Result<DataSource, DiskError> {
         let dataset = Dataset::open(path)?;
         return Ok(of_reaches(&dataset, dataset.episodes().iter()));
     }
-    let source = DataSource {
-        kind: DataKind::Trials,
-        name: name(path),
-        blake3: file_blake3(path)?,
-        seed: None,
-        reaches: BTreeMap::new(),
-        rate_hz: None,
-    };
+    let (name, blake3) = (name(path), file_blake3(path)?);
     if !is_recording(path)? {
-        return Ok(DataSource { rate_hz: rate_hz(path)?, ..source });
+        return Ok(DataSource { name, rate_hz: rate_hz(path)?, ..of_trials(blake3) });
     }
-    let own = of_recording(&read_recording(path)?);
-    Ok(DataSource { name: source.name, blake3: source.blake3, ..own })
+    Ok(DataSource { name, blake3, ..of_recording(&read_recording(path)?) })
+}
+
+/// Trials of which only this hash is known.
+fn of_trials(blake3: String) -> DataSource {
+    let reaches = BTreeMap::new();
+    DataSource { kind: DataKind::Trials, name: None, blake3, seed: None, reaches, rate_hz: None }
 }
 
 /// Frames per second of a data set, a recording or a table of trials, Hz; `None` if no trial of the table has two samples.
@@ -101,14 +97,7 @@ pub fn in_memory(data: &impl Serialize) -> DataSource {
     let mut hasher = blake3::Hasher::new();
     // Writing to a hasher cannot fail, and neither can making JSON of plain data.
     let _ = serde_json::to_writer(&mut hasher, data);
-    DataSource {
-        kind: DataKind::Trials,
-        name: None,
-        blake3: hasher.finalize().to_hex().to_string(),
-        seed: None,
-        reaches: BTreeMap::new(),
-        rate_hz: None,
-    }
+    of_trials(hasher.finalize().to_hex().to_string())
 }
 
 fn name(path: &Path) -> Option<String> {

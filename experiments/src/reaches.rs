@@ -2,7 +2,7 @@
 //! requirement, which is checked against the ground truth.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -11,8 +11,9 @@ use underbrush_recording::disk::{DiskError, read_recording, write_recording};
 use underbrush_recording::{Category, Fault, Recording};
 use underbrush_sim::reach::ReachPlan;
 
-use crate::run_folder::Plan;
-use crate::{Experiment, Progress, Session, files, result_cache};
+use crate::definition::TestScene;
+use crate::run_folder::{self, Plan};
+use crate::{Experiment, Progress, Session, files, in_parallel};
 
 /// The requirement on a reach.
 enum Wanted {
@@ -99,10 +100,10 @@ impl Search {
     /// Draws the reaches, or reads those that an earlier run has cached in `folder`.
     fn run(&self, folder: &Path, plan: Plan, progress: &dyn Progress) -> Result<Found, Fault> {
         let scene = self.plan.scene.name.clone();
-        let file = |index: u64| -> PathBuf { folder.join(format!("{}-{index}.parquet", self.name)) };
+        let file = |index: u64| folder.join(format!("{}-{index}.parquet", self.name));
         let index_file = folder.join(format!("{}.json", self.name));
         let mut new = BTreeMap::new();
-        let Index { drawn, found } = result_cache::result(&index_file, plan, progress, || {
+        let Index { drawn, found } = run_folder::result(&index_file, plan, progress, || {
             let mut index = Index::default();
             while index.drawn < self.max_draws && index.found.len() < self.enough {
                 let recording = self.plan.run_until(index.drawn, &mut |_| {}, &|| progress.is_stopped())?;
@@ -183,25 +184,15 @@ pub fn run(session: &Session) -> Result<TestReaches, Fault> {
         files::create_folder(&folder)?;
         let count = progress.count("experiments", searches.len() as u64, 0);
         let plan = session.plan_of(session.seed);
-        let found: Vec<Result<Found, Fault>> = searches
-            .par_iter()
-            .with_max_len(1)
-            .map(|search| {
-                let found = search.run(&folder, plan.clone(), progress);
-                count.advance();
-                found
-            })
-            .collect();
-        let mut found = found.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter();
-        let outlier = file.outlier.as_ref().and_then(|_| found.next());
-        let second_outlier = file.second_outlier.as_ref().and_then(|_| found.next());
-        let general = file.general.as_ref().and_then(|_| found.next());
-        Ok(TestReaches {
-            engineered: categories.iter().copied().zip(found).collect(),
-            general,
-            outlier,
-            second_outlier,
-        })
+        let found = in_parallel(searches.par_iter().with_max_len(1), |search| {
+            let found = search.run(&folder, plan.clone(), progress);
+            count.advance();
+            found
+        });
+        let mut found = found?.into_iter();
+        let mut next = |own: &Option<TestScene>| own.as_ref().and_then(|_| found.next());
+        let (outlier, second_outlier, general) = (next(&file.outlier), next(&file.second_outlier), next(&file.general));
+        Ok(TestReaches { engineered: categories.into_iter().zip(found).collect(), general, outlier, second_outlier })
     })
 }
 

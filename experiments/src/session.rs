@@ -3,17 +3,18 @@
 use std::any::{Any, TypeId};
 use std::cell::RefCell;
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::rc::Rc;
 use std::time::Instant;
 
+use rayon::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use underbrush_recording::Fault;
 use underbrush_sim::reach::ReachError;
 
-use crate::run_folder::Plan;
-use crate::{Experiment, Progress, result_cache};
+use crate::run_folder::{self, Plan};
+use crate::{Experiment, Progress};
 
 /// A run of an experiment.
 pub struct Session<'a> {
@@ -55,6 +56,16 @@ const STAGES: [&str; 17] = [
     "Further campaigns",
 ];
 
+/// What `make` gives for each of these things, in their order, made in parallel. The error is that of the first thing that has
+/// one, whichever is found first.
+pub(crate) fn in_parallel<I: Send, T: Send>(
+    things: impl IntoParallelIterator<Item = I>,
+    make: impl Fn(I) -> Result<T, Fault> + Sync + Send,
+) -> Result<Vec<T>, Fault> {
+    let made: Vec<Result<T, Fault>> = things.into_par_iter().map(make).collect();
+    made.into_iter().collect()
+}
+
 impl<'a> Session<'a> {
     /// A run that has computed nothing yet.
     pub fn new(
@@ -87,8 +98,7 @@ impl<'a> Session<'a> {
             return Ok(known);
         }
         let made = Rc::new(make(self)?);
-        let kept: Rc<dyn Any> = Rc::<T>::clone(&made);
-        self.done.borrow_mut().insert(TypeId::of::<T>(), kept);
+        self.done.borrow_mut().insert(TypeId::of::<T>(), made.clone());
         Ok(made)
     }
 
@@ -136,7 +146,7 @@ impl<'a> Session<'a> {
         seed: u64,
         make: impl FnOnce() -> Result<T, Fault>,
     ) -> Result<T, Fault> {
-        let path: PathBuf = self.folder.join("campaigns").join(format!("{name}-{seed}.json"));
-        result_cache::result(&path, self.plan_of(seed), self.progress, make)
+        let path = self.folder.join("campaigns").join(format!("{name}-{seed}.json"));
+        run_folder::result(&path, self.plan_of(seed), self.progress, make)
     }
 }

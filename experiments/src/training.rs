@@ -42,8 +42,8 @@ pub fn run(session: &Session) -> Result<TrainingData, Fault> {
             _ => Ok(campaign.write(&folder, true, progress)?.dataset()),
         }
     })?;
-    let contacts =
-        session.stage("Trials", || Trials::of_dataset(session, &dataset, &experiment.any_length_options()))?;
+    let of_any_length = TrialOptions { min_samples: 1, ..experiment.trial_options() };
+    let contacts = session.stage("Trials", || Trials::of_dataset(session, &dataset, &of_any_length))?;
     let min_samples = experiment.file.trials.min_samples;
     let trials = contacts.lasting(min_samples);
     if trials.taxel.is_empty() {

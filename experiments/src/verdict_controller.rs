@@ -11,11 +11,8 @@ use std::sync::Arc;
 use serde::Serialize;
 use underbrush_classifier::touch::{Touch, TouchClassifier, TouchModel};
 use underbrush_recording::{Dataset, Fault, Frame, InputError, JSON_BYTES, MappedObstacle, read_text};
-use underbrush_sim::controller::{
-    AllowedForces, Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact, Touched, Verdict,
-};
-use underbrush_sim::reach::ReachPlan;
-use underbrush_sim::scene::Scene;
+use underbrush_sim::controller::{AllowedForces, Controller, ControllerOutput, TaxelContact, Touched, Verdict};
+use underbrush_sim::{ControllerInput, ControllerKind, ReachPlan, Scene};
 
 /// The suffix of the name of a controller with the verdicts of a touch model.
 pub const WITH_VERDICTS: &str = "+verdicts";
@@ -257,8 +254,11 @@ impl Controller for VerdictController {
     }
 
     fn control(&mut self, input: &ControllerInput) -> ControllerOutput {
-        let judged = |contact| self.allowed.applied_to(contact, self.verdict(contact));
-        let contacts = input.contacts.iter().filter_map(judged).collect();
-        self.inner.control(&ControllerInput { contacts, ..input.clone() })
+        let mut judged = input.clone();
+        judged.contacts.retain_mut(|contact| {
+            let verdict = self.verdict(contact);
+            self.allowed.apply(contact, verdict)
+        });
+        self.inner.control(&judged)
     }
 }

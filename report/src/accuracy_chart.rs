@@ -1,6 +1,7 @@
-//! Charts of accuracies in per cent over named places: several series, the majority baseline and published figures.
+//! Charts in per cent: of accuracies over named places, with several series, the majority baseline and published figures; and
+//! of shares against shares, such as ROC curves, as a square with its diagonal.
 
-use crate::drawing::{Axis, Chart, Dash, Layer, Point, Shape, Style, joined};
+use crate::drawing::{Axis, Chart, Dash, Layer, Point, Shape, Style, chart, joined};
 use crate::style::{INK, MAJORITY};
 
 /// A chart that is being put together, with its description in words.
@@ -65,4 +66,18 @@ impl AccuracyChart {
             layers: self.layers,
         }
     }
+}
+
+/// A chart with name and title over two axes from 0 to 100 %, with the meaning of the diagonal.
+pub fn square_chart(
+    (name, title): (&str, &str),
+    description: String,
+    (x, y): (&str, &str),
+    diagonal: &str,
+    layers: Vec<Layer>,
+) -> String {
+    let ends = Shape::Line(vec![(0.0, 0.0), (100.0, 100.0)]);
+    let diagonal = Layer::new(diagonal, Style::line(INK, Dash::Dotted), ends);
+    let axes = (Axis::spanning(x, 0.0, 100.0), Axis::spanning(y, 0.0, 100.0));
+    chart(name, title, description, axes, [vec![diagonal], layers].concat())
 }

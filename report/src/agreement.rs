@@ -107,7 +107,7 @@ pub fn add_orderings(report: &mut Report, name: &str, caption: &str, own: &[Orde
         return;
     }
     report.page.paragraph(&format!("{caption}:"));
-    report.page.list(&own.iter().map(|own| ordering(own, report.results.quick)).collect::<Vec<_>>());
+    report.page.list(own.iter().map(|own| ordering(own, report.results.quick)));
     let table = orderings_table(name, caption, own);
     report.print(&table, 5);
     report.numbers(table);

@@ -4,8 +4,7 @@ use underbrush_experiments::benchmark::{
     Estimate, Figures, Halves, ObjectFigures, Ranking, Reaching, Row, SetRecord, Transfer, UnknownIn, Verdicts,
 };
 
-use crate::drawing::Rows;
-use crate::text::counted;
+use crate::{Rows, counted};
 
 /// A sentence on what was judged, tables of the figures, and what they were measured on.
 pub fn of(row: &Row) -> String {

@@ -9,30 +9,25 @@
 mod accuracy_chart;
 mod agreement;
 pub mod benchmark_text;
-pub mod category_looks;
 pub mod drawing;
 mod overview;
-pub mod replay_links;
-mod replay_pages;
 pub mod replayed;
 mod report;
 pub mod reproduction;
-mod roc;
 pub mod section;
-pub mod skin_map;
 mod style;
 pub mod suite_text;
 pub mod text;
 
-pub use category_looks::CategoryLooks;
+pub use style::{CategoryLooks, Look};
 
 use underbrush_experiments::experiment::training_data::Reaches;
 use underbrush_experiments::results::Results;
 use underbrush_recording::Fault;
 
-use accuracy_chart::{AccuracyChart, lowest};
-use drawing::{Axis, Cell, Dash, Layer, Mark, Page, Rows, Shape, Style, Table, chart, escape, joined, slug};
-use report::{Report, possessive};
+use accuracy_chart::{AccuracyChart, lowest, square_chart};
+use drawing::{Axis, Cell, Dash, Layer, Mark, Page, Point, Rows, Shape, Style, Table, chart, escape, joined, slug};
+use report::{ACCURACY_COLUMNS, ACCURACY_HEADINGS, Report, by_touch, campaigns_by_touch, possessive, seeds};
 use text::counted;
 
 /// A report, ready to be written.
@@ -67,7 +62,7 @@ fn what_was_run(report: &mut Report) {
     let timing = &results.timing;
     report.page.section("What was run");
     let size = if results.quick { ", with fewer reaches (--quick)" } else { "" };
-    report.page.list(&[
+    report.page.list([
         format!("program: underbrush {}", results.program),
         format!("experiment: {}", results.experiment),
         format!("seed: {}{size}", results.seed),

@@ -5,9 +5,8 @@ use std::collections::BTreeMap;
 use underbrush_experiments::table_cell::{Ordering, unit_name};
 
 use crate::agreement::{self, Compared};
-use crate::drawing::joined;
-use crate::report::Report;
 use crate::section::{campaigns, moments, table_one};
+use crate::{Report, escape, joined};
 
 /// Trials per reach that differ by less than this factor count as agreeing.
 const SIMILAR: f64 = 1.25;
@@ -83,13 +82,13 @@ pub fn add(report: &mut Report) {
     let title = format!("{name}, {of_what}, {whiskers}");
     let mut parts = vec![agreement::dot_plot("table-1", &title, &comparison.all)];
     if let Some(moment) = results.outcomes.moments.all().next() {
-        let address = crate::drawing::escape(&moments::address(moment, 0));
+        let address = escape(&moments::address(moment, 0));
         let image = moments::image(moment, 0);
         parts.push(format!("<a href=\"{address}\">{image}Replay this reach in 3-D</a>"));
     }
     report.page.side_by_side(&parts);
     let (agrees, differs) = compare(&comparison, results.quick);
-    report.page.cards(&[
+    report.page.cards([
         ("Agrees with the paper", agrees),
         ("Does not agree", differs),
         ("Why", why(report, &comparison)),

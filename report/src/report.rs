@@ -5,7 +5,7 @@ use underbrush_experiments::definition::{Published, PublishedSection};
 use underbrush_experiments::experiment::campaigns::CampaignFigures;
 use underbrush_experiments::{CellKey, Results, unit_name};
 
-use crate::{CategoryLooks, Cell, Page, Rows, Table, text};
+use crate::{CategoryLooks, Cell, Page, Rows, Table};
 
 /// A report to which sections are added.
 pub struct Report<'a> {
@@ -77,7 +77,7 @@ impl<'a> Report<'a> {
 
     /// Prints the first columns of a table on the terminal.
     pub fn print(&mut self, table: &Table, columns: usize) {
-        self.terminal += &format!("{}\n{}\n", table.caption, text::first_columns(table, columns));
+        self.terminal += &format!("{}\n{}\n", table.caption, table.first_columns(columns));
     }
 }
 
@@ -143,47 +143,14 @@ impl<T: Copy> Rows<T> {
     }
 }
 
-/// Figures over campaigns: mean, standard deviation, minimum and maximum of the accuracy, then mean and standard
-/// deviation of the balanced accuracy and of the majority baseline.
-pub fn campaign_cells(own: &CampaignFigures) -> [Cell; 8] {
-    let Figures { accuracy, balanced_accuracy, majority_baseline } = &own.all;
-    [
-        Cell::Number(accuracy.mean, 1),
-        Cell::optional(accuracy.standard_deviation, 1),
-        Cell::Number(accuracy.min, 1),
-        Cell::Number(accuracy.max, 1),
-        Cell::Number(balanced_accuracy.mean, 1),
-        Cell::optional(balanced_accuracy.standard_deviation, 1),
-        Cell::Number(majority_baseline.mean, 1),
-        Cell::optional(majority_baseline.standard_deviation, 1),
-    ]
-}
-
-/// Column names of [`campaign_cells`] in tables of the page.
-pub const CAMPAIGN_COLUMNS: [&str; 8] = ["mean", "SD", "min", "max", "balanced", "SD", "majority", "SD"];
-
 /// Accuracies, split into trials in which something touched the skin and trials in which nothing did.
 pub fn by_touch<'a>(name: &str, what: &str, rows: impl Iterator<Item = (String, &'a Accuracy)>) -> Table {
-    let caption = format!("{what}: trials in which something touched the skin, and trials in which nothing did");
-    let cells = |own: Option<&Part>| {
-        let percent = |value: fn(&Part) -> f64| Cell::optional(own.map(value), 1);
-        [
-            own.map_or(0, |own| own.trials).into(),
-            percent(|own| own.accuracy),
-            percent(|own| own.balanced_accuracy),
-            percent(|own| own.majority_baseline),
-        ]
+    let cells = |own: &Option<Part>| {
+        let percent = |place: usize| Cell::optional(own.as_ref().map(|own| own.figures()[place]), 1);
+        [own.as_ref().map_or(0, |own| own.trials).into(), percent(0), percent(1), percent(2)]
     };
-    let rows: Vec<(String, &Accuracy)> = rows.collect();
-    Rows::of(&rows)
-        .column("", |row| row.0.as_str())
-        .columns(["touched trials", "accuracy / %", "balanced / %", "majority / %"], |row| {
-            cells(row.1.touched.as_ref())
-        })
-        .columns(["untouched trials", "accuracy / %", "balanced / %", "majority / %"], |row| {
-            cells(row.1.untouched.as_ref())
-        })
-        .table(name, caption)
+    let rows = rows.map(|(name, own)| (name, [&own.touched, &own.untouched].map(cells)));
+    split_by_touch(name, what, ["touched trials", "untouched trials", "accuracy / %"], rows)
 }
 
 /// As [`by_touch`], for accuracies over campaigns.
@@ -192,22 +159,30 @@ pub fn campaigns_by_touch<'a>(
     what: &str,
     rows: impl Iterator<Item = (String, &'a CampaignFigures)>,
 ) -> Table {
-    let caption = format!(
-        "{what} over all campaigns: trials in which something touched the skin, and trials in which nothing did"
-    );
-    let cells = |own: Option<&Figures<Spread>>| {
-        let percent = |value: fn(&Figures<Spread>) -> Option<f64>| Cell::optional(own.and_then(value), 1);
-        [
-            percent(|own| Some(own.accuracy.mean)),
-            percent(|own| own.accuracy.standard_deviation),
-            percent(|own| Some(own.balanced_accuracy.mean)),
-            percent(|own| Some(own.majority_baseline.mean)),
-        ]
+    let cells = |own: &Option<Figures<Spread>>| {
+        let own = own.as_ref();
+        let mean = |of: fn(&Figures<Spread>) -> &Spread| Cell::optional(own.map(|own| of(own).mean), 1);
+        let deviation = Cell::optional(own.and_then(|own| own.accuracy.standard_deviation), 1);
+        [mean(|own| &own.accuracy), deviation, mean(|own| &own.balanced_accuracy), mean(|own| &own.majority_baseline)]
     };
-    let rows: Vec<(String, &CampaignFigures)> = rows.collect();
+    let rows = rows.map(|(name, own)| (name, [&own.touched, &own.untouched].map(cells)));
+    let what = format!("{what} over all campaigns");
+    split_by_touch(name, &what, ["touched, mean / %", "untouched, mean / %", "SD"], rows)
+}
+
+/// Rows with their names and four figures each of trials with and without a touch. The headings are those of the first figure
+/// of each, and of the second; the others are balanced accuracy and majority baseline.
+fn split_by_touch(
+    name: &str,
+    what: &str,
+    [touched, untouched, second]: [&str; 3],
+    rows: impl Iterator<Item = (String, [[Cell; 4]; 2])>,
+) -> Table {
+    let caption = format!("{what}: trials in which something touched the skin, and trials in which nothing did");
+    let rows: Vec<_> = rows.collect();
     Rows::of(&rows)
-        .column("", |row| row.0.as_str())
-        .columns(["touched, mean / %", "SD", "balanced / %", "majority / %"], |row| cells(row.1.touched.as_ref()))
-        .columns(["untouched, mean / %", "SD", "balanced / %", "majority / %"], |row| cells(row.1.untouched.as_ref()))
+        .column("", |(name, ..)| name.as_str())
+        .columns([touched, second, "balanced / %", "majority / %"], |(_, [cells, _])| cells.clone())
+        .columns([untouched, second, "balanced / %", "majority / %"], |(_, [_, cells])| cells.clone())
         .table(name, caption)
 }

@@ -9,7 +9,7 @@ use underbrush_experiments::{Experiment, Progress, Results, Session, audit, onli
 use underbrush_recording::Fault;
 use underbrush_recording::disk::write_trials;
 
-use crate::{Written, replay_pages};
+use crate::{Written, replayed};
 
 /// How an experiment is run.
 #[derive(Clone, Copy, Debug)]
@@ -46,8 +46,7 @@ impl Reproduction<'_> {
             let path = out.join(format!("trials-{unit}.parquet"));
             write_trials(path, trials)?;
         }
-        let models = session.once(online_models::run)?;
-        let text = models.model(&session)?.save_string();
+        let text = online_models::model(&session)?.save_string();
         write(&out.join("model.json"), text?.as_bytes())?;
         let results = Results::of(&session)?;
         write_json(&out.join("summary.json"), &results)?;
@@ -56,7 +55,7 @@ impl Reproduction<'_> {
         for (path, bytes) in &report.files {
             write(&folder.join(path), bytes)?;
         }
-        replay_pages::write(&session, &folder)?;
+        replayed::write(&session, &folder)?;
         Ok((results, report))
     }
 

@@ -6,16 +6,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use underbrush_classifier::any_model::{self, AnyModel, OnlineJudge, OnlineModel};
-use underbrush_classifier::decision::{Decision, Verdict};
 use underbrush_classifier::evaluate::NOTHING;
-use underbrush_classifier::online::{OnlineClassifier, OnlineError, OnlineOptions};
-use underbrush_classifier::touch::Touch;
 use underbrush_classifier::trial::PatchImage;
+use underbrush_classifier::{Decision, OnlineClassifier, OnlineError, OnlineOptions};
 use underbrush_recording::disk::file_blake3;
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{Category, Frame, InputError, Recording, SkinLayout};
+use underbrush_recording::{Category, Fault, Frame, InputError, Recording, SkinLayout};
 
-use super::frames::FrameCounts;
+use super::counts::FrameCounts;
 use super::frozen::{FLIPPER, FOREARM, THRESHOLD_N};
 use super::objects::{Class, JudgedObject, ObjectLog, Standing};
 
@@ -158,21 +155,12 @@ impl JudgedModel {
                     for own in classifier.taxels() {
                         let image = images.iter().position(|image| image.patch_index() == own.patch);
                         let Some(image) = image else { continue };
-                        answers[image][own.taxel] = match own.touch {
-                            Touch::Nothing => Class::Nothing,
-                            Touch::Category(index) => class_of(&categories[index]),
-                            Touch::Uncertain => Class::Uncertain,
-                            Touch::Unknown => Class::Unknown,
-                        };
+                        answers[image][own.taxel] = class_of(own.touch.name(categories));
                     }
                 }
                 OnlineJudge::OfTrials(online) => {
                     for own in online.update(sensed)? {
-                        answers[place][own.taxel] = match &own.verdict {
-                            Verdict::Category(name) => class_of(name),
-                            Verdict::Uncertain => Class::Uncertain,
-                            Verdict::Outlier => Class::Unknown,
-                        };
+                        answers[place][own.taxel] = class_of(own.verdict.name());
                     }
                 }
             }
@@ -181,12 +169,13 @@ impl JudgedModel {
     }
 }
 
-/// The class of a category that a model answers.
-fn class_of(category: &str) -> Class {
-    match category {
-        _ if category == Category::LEAF.name() => Class::Leaf,
-        _ if category == Category::TRUNK.name() => Class::Trunk,
+/// The class of a verdict of any model, by its name.
+fn class_of(verdict: &str) -> Class {
+    match verdict {
+        _ if verdict == Category::LEAF.name() => Class::Leaf,
+        _ if verdict == Category::TRUNK.name() => Class::Trunk,
         NOTHING => Class::Nothing,
+        Category::UNCERTAIN => Class::Uncertain,
         _ => Class::Unknown,
     }
 }

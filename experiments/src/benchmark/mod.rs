@@ -5,9 +5,7 @@
 //! machine or many, and a row is the same byte for byte wherever the data were made.
 
 mod counts;
-mod frames;
 mod frozen;
-mod halves;
 mod judged_model;
 mod objects;
 mod reaching;
@@ -19,9 +17,7 @@ mod verdicts;
 
 use std::path::{Path, PathBuf};
 
-use underbrush_recording::InputError;
-use underbrush_recording::disk::Dataset;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::{Dataset, Fault, InputError};
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::MakeController;
 use underbrush_sim::scene::Scene;
@@ -31,12 +27,10 @@ use crate::dataset::{Campaign, PROGRAM_VERSION};
 use crate::files;
 use crate::progress::Progress;
 use crate::verdict_controller::{TRUTH, VerdictControl};
-use counts::Counts;
-use frames::{FittedNothing, FrameCounts};
+use counts::{Counts, FittedNothing, FrameCounts};
 use objects::END;
 
-pub use crate::resampled::Estimate;
-pub use halves::{Halves, Ranking};
+pub use crate::resampled::{Estimate, Halves, Ranking};
 pub use judged_model::JudgedModel;
 pub(crate) use reaching::Reach;
 pub use reaching::Reaching;

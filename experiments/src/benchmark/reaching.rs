@@ -7,8 +7,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::{Category, FRAME_PERIOD_S, Frame, Outcome, Recording};
 
 use super::frozen::GENTLE_N;
-use super::halves::Ranking;
-use crate::resampled::Estimate;
+use crate::resampled::{Estimate, Ranking};
 
 /// The figures of the track. Forces are the true forces between one patch of skin, or the bare part of a link, and one
 /// object.

@@ -4,15 +4,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use underbrush_recording::InputError;
-use underbrush_recording::disk::Dataset;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::{Dataset, Fault, InputError};
 
-use super::frozen;
-use super::halves::Halves;
-use super::reaching::Reaching;
-use super::transfer::Transfer;
-use super::verdicts::Verdicts;
+use super::{Halves, Reaching, Transfer, Verdicts, frozen};
 
 /// A row. It holds no times and no paths, so the same entry gives the same bytes on every machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

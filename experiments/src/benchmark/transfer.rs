@@ -4,9 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::counts::{Counts, KNOWN};
 use super::frozen::{OTHER_ARM, SETTINGS};
-use super::halves::Ranking;
-
-use crate::resampled::Estimate;
+use crate::resampled::{Estimate, Ranking};
 
 /// The figures of the track.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

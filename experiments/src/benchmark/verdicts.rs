@@ -3,12 +3,10 @@
 use serde::{Deserialize, Serialize};
 use underbrush_recording::distinct;
 
-use super::counts::{ALL, Counts, KNOWN, UNKNOWN};
-use super::frames::{FittedNothing, FrameCounts};
-use super::halves::Ranking;
+use super::counts::{ALL, Counts, FittedNothing, FrameCounts, KNOWN, UNKNOWN};
 use super::judged_model::JudgedReach;
 use super::objects::{END, JUDGED_MOMENTS, JudgedObject, MOMENTS};
-use crate::resampled::Estimate;
+use crate::resampled::{Estimate, Ranking};
 
 /// The figures of the track.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -8,70 +8,47 @@ use underbrush_sim::arm::Arm;
 use underbrush_sim::scene::{RobotSection, Scene, limits};
 
 use super::file::{ClassifierEntry, ExperimentFile, ThresholdSection};
-use crate::source::Source;
+use crate::files::Source;
 
 /// Checks the rules that the types of the keys do not express.
 pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
-    let fault = |name: &str, value: &str, allowed: &str| Err(source.fault(name, value, allowed));
+    let reaches = |name: &str, count: Option<u64>, first: u64, why: &str| match count
+        .filter(|count| !(first..=1_000_000).contains(count))
+    {
+        Some(count) => Err(source.fault(name, &count.to_string(), format!("{first} to 1000000{why}"))),
+        None => Ok(()),
+    };
     let labels: BTreeSet<&str> = file.training.iter().map(|own| own.label.as_str()).collect();
-    if labels.len() < 2 {
-        let found = labels.first().copied().unwrap_or("no training scenes");
-        return fault("training.label", found, "training scenes with at least two different labels");
-    }
+    let found = labels.first().copied().unwrap_or("no training scenes");
+    source.check(labels.len() >= 2, "training.label", found, "training scenes with at least two different labels")?;
     for training in &file.training {
-        if training.label.is_empty() || ["uncertain", "outlier"].contains(&training.label.as_str()) {
-            return fault(
-                "training.label",
-                &training.label,
-                "any text but `uncertain` and `outlier`, which are verdicts",
-            );
-        }
-        for (name, count) in [
-            ("training.reaches", Some(training.reaches)),
-            ("training.quick_reaches", training.quick_reaches),
-            ("training.setting_reaches", training.setting_reaches),
-        ] {
-            if count.is_some_and(|count| !(2..=1_000_000).contains(&count)) {
-                let found = count.unwrap_or_default().to_string();
-                return fault(name, &found, "2 to 1000000: cross-validation needs a reach in each of two folds");
-            }
-        }
+        let is_name = !["", "uncertain", "outlier"].contains(&training.label.as_str());
+        let allowed = "any text but `uncertain` and `outlier`, which are verdicts";
+        source.check(is_name, "training.label", &training.label, allowed)?;
+        let why = ": cross-validation needs a reach in each of two folds";
+        reaches("training.reaches", Some(training.reaches), 2, why)?;
+        reaches("training.quick_reaches", training.quick_reaches, 2, why)?;
+        reaches("training.setting_reaches", training.setting_reaches, 2, why)?;
     }
-    let of_verdicts = file
-        .verdicts
-        .iter()
-        .flat_map(|own| [("verdicts.reaches", Some(own.reaches)), ("verdicts.quick_reaches", own.quick_reaches)]);
-    let of_controllers = file.controllers.iter().map(|own| ("controllers.reaches", Some(own.reaches)));
-    for (name, count) in of_verdicts.chain(of_controllers) {
-        if let Some(count) = count.filter(|count| !(1..=1_000_000).contains(count)) {
-            return fault(name, &count.to_string(), "1 to 1000000");
-        }
+    if let Some(own) = &file.verdicts {
+        reaches("verdicts.reaches", Some(own.reaches), 1, "")?;
+        reaches("verdicts.quick_reaches", own.quick_reaches, 1, "")?;
     }
-    if file.truncations.contains(&0) {
-        return fault("truncations", "0", "numbers from 1");
-    }
+    reaches("controllers.reaches", file.controllers.as_ref().map(|own| own.reaches), 1, "")?;
+    source.check(!file.truncations.contains(&0), "truncations", "0", "numbers from 1")?;
     check_limits(file, source)?;
-    if file.states.is_empty() {
-        return fault("states", "[]", "at least one number of hidden states");
-    }
-    if file.recipes.is_empty() {
-        return fault("recipes", "[]", "at least one of `authors`, `modern`");
-    }
+    source.check(!file.states.is_empty(), "states", "[]", "at least one number of hidden states")?;
+    source.check(!file.recipes.is_empty(), "recipes", "[]", "at least one of `authors`, `modern`")?;
     check_names(file, source)?;
-    let trials = &file.trials;
-    if !(trials.threshold_n > 0.0 && trials.threshold_n < 100.0) {
-        return fault("trials.threshold_n", &trials.threshold_n.to_string(), "a force over 0 and under 100 N");
-    }
-    let max_states = file.states.iter().copied().max().unwrap_or(1);
-    if trials.min_samples < max_states {
-        let allowed = "at least the largest of `states`: a model's start takes a sample for each state";
-        return fault("trials.min_samples", &trials.min_samples.to_string(), allowed);
-    }
+    let (threshold_n, min_samples) = (file.trials.threshold_n, file.trials.min_samples);
+    let (is_force, allowed) = (threshold_n > 0.0 && threshold_n < 100.0, "a force over 0 and under 100 N");
+    source.check(is_force, "trials.threshold_n", &threshold_n.to_string(), allowed)?;
+    let is_enough = min_samples >= file.states.iter().copied().max().unwrap_or(1);
+    let allowed = "at least the largest of `states`: a model's start takes a sample for each state";
+    source.check(is_enough, "trials.min_samples", &min_samples.to_string(), allowed)?;
     let mut tested = file.engineered.iter().map(|own| own.label.as_str());
-    if let Some(label) = tested.find(|label| !labels.contains(label)) {
-        return fault("engineered.label", label, "a label of the training scenes");
-    }
-    Ok(())
+    let unknown = tested.find(|label| !labels.contains(label));
+    source.check(unknown.is_none(), "engineered.label", unknown.unwrap_or_default(), "a label of the training scenes")
 }
 
 /// Checks that nothing that names a row or a column of a table is in the file twice.

@@ -10,7 +10,7 @@ use underbrush_recording::{Category, Fault, InputError, distinct};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::scene::{Scene, shipped};
 
-use crate::source::{self, Field, Source};
+use crate::files::{self, Field, Source};
 
 mod check;
 mod file;
@@ -73,7 +73,7 @@ impl Experiment {
     /// # Errors
     /// When a file cannot be read, is not TOML, has unknown keys or a value that is not allowed.
     pub fn load(path: &Path) -> Result<Self, InputError> {
-        let text = source::read(path, "experiment")?;
+        let text = files::read(path, "experiment")?;
         let folder = path.parent().unwrap_or(Path::new(""));
         Self::parse(path, &text, |name, field| Scene::load(folder.join(name)).map_err(|error| field.named(error)))
     }
@@ -183,11 +183,6 @@ impl Experiment {
     /// The options for verdicts on each taxel: patch and threshold as for trials.
     pub fn touch_options(&self) -> TouchOptions {
         TouchOptions::of(self.file.trials.patch.clone(), self.file.trials.threshold_n)
-    }
-
-    /// The options for extracting trials of any length; otherwise as [`Experiment::trial_options`].
-    pub fn any_length_options(&self) -> TrialOptions {
-        TrialOptions { min_samples: 1, ..self.trial_options() }
     }
 
     /// Labels of the training scenes, in their order.

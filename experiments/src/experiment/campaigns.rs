@@ -127,17 +127,15 @@ impl Campaigns {
         let mut table_1 = Vec::new();
         for Cell { key, paper, .. } in &first.table_1 {
             let name = format!("cross-validation, {}", key.with_recipe());
-            let own = matched(campaigns, &name, |campaign| {
-                let cells = campaign.table_1.iter();
-                cells.filter(|cell| cell.key == *key).map(|cell| &cell.figures)
-            })?;
-            table_1.push(Cell { key: key.clone(), figures: CampaignFigures::of(&own), paper: *paper });
+            let own = matched(campaigns, &name, |campaign| &campaign.table_1, |cell| cell.key == *key)?;
+            let figures = CampaignFigures::of(own.iter().map(|cell| &cell.figures));
+            table_1.push(Cell { key: key.clone(), figures, paper: *paper });
         }
         let mut trials_per_reach = Vec::new();
         for row in &first.trials_per_reach {
             let name = format!("trials per reach, {}, {}", unit_name(row.by), row.category);
-            let same = |other: &&TrialsPerReach| (other.by, &other.category) == (row.by, &row.category);
-            let own = matched(campaigns, &name, |campaign| campaign.trials_per_reach.iter().filter(same))?;
+            let is_same = |other: &TrialsPerReach| (other.by, &other.category) == (row.by, &row.category);
+            let own = matched(campaigns, &name, |campaign| &campaign.trials_per_reach, is_same)?;
             trials_per_reach.push(CampaignTrials {
                 by: row.by,
                 category: row.category.clone(),
@@ -147,11 +145,10 @@ impl Campaigns {
         }
         let mut classifiers = Vec::new();
         for Compared { classifier, .. } in &first.classifiers {
-            let own = matched(campaigns, classifier, |campaign| {
-                let all = campaign.classifiers.iter();
-                all.filter(|own| own.classifier == *classifier).map(|own| &own.figures)
-            })?;
-            classifiers.push(Compared { classifier: classifier.clone(), figures: CampaignFigures::of(&own) });
+            let is_same = |own: &Compared| own.classifier == *classifier;
+            let own = matched(campaigns, classifier, |campaign| &campaign.classifiers, is_same)?;
+            let figures = CampaignFigures::of(own.iter().map(|own| &own.figures));
+            classifiers.push(Compared { classifier: classifier.clone(), figures });
         }
         Ok(Some(Campaigns {
             seeds: campaigns.iter().map(|(seed, _)| *seed).collect(),
@@ -164,14 +161,15 @@ impl Campaigns {
     }
 }
 
-/// The one figure of this name in each campaign.
-fn matched<'a, T, I: Iterator<Item = &'a T>>(
+/// The one result of this name in each campaign.
+fn matched<'a, T>(
     campaigns: &'a [(u64, OneOfMany)],
     name: &str,
-    figures: impl Fn(&'a OneOfMany) -> I,
+    results: fn(&OneOfMany) -> &Vec<T>,
+    is_named: impl Fn(&T) -> bool,
 ) -> Result<Vec<&'a T>, Fault> {
     let one = |(seed, campaign): &'a (u64, OneOfMany)| {
-        let mut found = figures(campaign);
+        let mut found = results(campaign).iter().filter(|own| is_named(own));
         match (found.next(), found.next()) {
             (Some(figure), None) => Ok(figure),
             (first, _) => {
@@ -187,13 +185,14 @@ fn matched<'a, T, I: Iterator<Item = &'a T>>(
 }
 
 impl CampaignFigures {
-    fn of(accuracies: &[&Accuracy]) -> Self {
+    fn of<'a>(accuracies: impl Iterator<Item = &'a Accuracy>) -> Self {
+        let accuracies: Vec<&Accuracy> = accuracies.collect();
         let part = |of: fn(&Accuracy) -> Option<&Part>| {
             let parts: Vec<&Part> = accuracies.iter().filter_map(|own| of(own)).collect();
             (!parts.is_empty()).then(|| Figures::over(&parts, Part::figures, Spread::of))
         };
         CampaignFigures {
-            all: Figures::over(accuracies, Accuracy::figures, Spread::of),
+            all: Figures::over(&accuracies, Accuracy::figures, Spread::of),
             touched: part(|own| own.touched.as_ref()),
             untouched: part(|own| own.untouched.as_ref()),
         }

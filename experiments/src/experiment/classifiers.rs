@@ -1,13 +1,12 @@
 //! Other classifiers on the same trials, and how fast each of them decides.
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::evaluate::{AccuracyBySamples, FoldBy, Folds, accuracy_by_samples, cross_validate};
 use underbrush_classifier::{Decision, Estimator};
 use underbrush_recording::{Fault, Trial};
 
 use crate::definition::{ClassifierEntry, Experiment};
-use crate::{Accuracy, Session, training};
+use crate::{Accuracy, Session, in_parallel, training};
 
 /// All classifiers of the experiment, in the order of its file.
 #[derive(Serialize)]
@@ -84,7 +83,5 @@ fn each<T: Send>(
     work: impl Fn(&ClassifierEntry, &dyn Estimator) -> Result<T, Fault> + Sync,
 ) -> Result<Vec<T>, Fault> {
     let recipe = experiment.main_recipe();
-    let one = |entry: &ClassifierEntry| work(entry, entry.estimator(&recipe).as_ref());
-    let found: Vec<Result<T, Fault>> = experiment.file.classifiers.par_iter().map(one).collect();
-    found.into_iter().collect()
+    in_parallel(&experiment.file.classifiers, |entry| work(entry, entry.estimator(&recipe).as_ref()))
 }

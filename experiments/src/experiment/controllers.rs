@@ -6,9 +6,8 @@ use underbrush_sim::campaign::Job;
 use underbrush_sim::scene::ProgressRule;
 use underbrush_sim::{ControllerKind, ReachPlan};
 
-use crate::benchmark::Reach;
+use crate::benchmark::{Estimate, Reach};
 use crate::dataset::each_reach;
-use crate::resampled::Estimate;
 use crate::{Session, VerdictControl};
 
 /// The reaches have indices from here on, so that none of them is among the test reaches or those that train verdicts.

@@ -43,8 +43,8 @@ pub fn run(session: &Session) -> Result<ReachMoments, Fault> {
     let uncertain = frame_verdicts::uncertain_rule(session.experiment);
     session.stage("Moments of a general and of an outlier reach", || {
         Ok(ReachMoments {
-            general: take(session, &models.0, tested.general.as_ref(), online.shown(), uncertain)?,
-            outlier: take(session, &models.0, tested.outlier.as_ref(), online.outlier.first(), Decision::paper().rule)?,
+            general: take(session, &models, tested.general.as_ref(), online.shown(), uncertain)?,
+            outlier: take(session, &models, tested.outlier.as_ref(), online.outlier.first(), Decision::paper().rule)?,
         })
     })
 }

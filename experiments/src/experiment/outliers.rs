@@ -10,8 +10,8 @@ use underbrush_classifier::evaluate::ChosenThresholds;
 use underbrush_recording::{Category, Fault};
 
 use crate::frame_verdicts::{self, Classified, Online};
+use crate::online_models::{self, Thresholds};
 use crate::session::Session;
-use crate::thresholds::{self, Thresholds};
 
 /// The effect of the thresholds.
 #[derive(Serialize)]
@@ -76,7 +76,7 @@ pub const CHOSEN: &str = "chosen";
 
 /// Counts verdicts by both rules.
 pub fn run(session: &Session) -> Result<OutlierThresholds, Fault> {
-    let (online, curves) = (session.once(frame_verdicts::run)?, session.once(thresholds::run)?);
+    let (online, curves) = (session.once(frame_verdicts::run)?, session.once(online_models::thresholds)?);
     let mut found = detection(&rule_name("the paper's", &Decision::paper()), &online.outlier);
     if let Some((decision, reaches)) = &online.outlier_by_chosen {
         found.extend(detection(&rule_name(CHOSEN, decision), reaches));

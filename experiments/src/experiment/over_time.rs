@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use serde::Serialize;
+use underbrush_classifier::evaluate::StreamFrame;
 use underbrush_recording::Fault;
 use underbrush_recording::math::median;
 
@@ -54,9 +55,13 @@ pub fn run(session: &Session) -> Result<AccuracyOverTime, Fault> {
     })
 }
 
+/// Each frame with its time per 100 taxels in contact, s; `None` without contact.
+pub fn seconds_per_100_taxels(reach: &Classified) -> impl Iterator<Item = (&StreamFrame, Option<f64>)> {
+    let frames = reach.stream.frames.iter().zip(&reach.stream.seconds);
+    frames.map(|(frame, seconds)| (frame, (frame.in_contact > 0).then(|| 100.0 * seconds / frame.in_contact as f64)))
+}
+
 /// The median over the frames with contact of the time per 100 taxels, s.
 pub fn median_seconds_per_100_taxels(reach: &Classified) -> Option<f64> {
-    let frames = reach.stream.frames.iter().zip(&reach.stream.seconds);
-    let with_contact = frames.filter(|(frame, _)| frame.in_contact > 0);
-    median(with_contact.map(|(frame, seconds)| 100.0 * seconds / frame.in_contact as f64).collect())
+    median(seconds_per_100_taxels(reach).filter_map(|(_, seconds)| seconds).collect())
 }

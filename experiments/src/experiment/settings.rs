@@ -1,20 +1,19 @@
-//! Classifiers trained at one arm stiffness and hand speed and tested at others: the open question of the follow-up
-//! study (arXiv 1409.4972).
+//! Classifiers and verdict networks trained at one arm stiffness and hand speed and tested at others: the open question of
+//! the follow-up study (arXiv 1409.4972).
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use underbrush_classifier::decision::Decision;
-use underbrush_classifier::estimator::{Estimator, is_trained};
-use underbrush_classifier::evaluate::{Evaluation, evaluate};
-use underbrush_recording::{Fault, Trial, distinct};
+use underbrush_classifier::evaluate::{evaluate, touch::TouchEvaluation};
+use underbrush_classifier::touch::TouchExamples;
+use underbrush_classifier::{Decision, Estimator, Evaluation, ModelError, TouchOptions, is_trained};
+use underbrush_recording::{Fault, Recording, Trial};
 use underbrush_sim::campaign::Job;
 
 use crate::dataset::jobs_of;
 use crate::training::{self, Trials};
-use crate::verdict_transfer::{FoldedReaches, VerdictTransfer};
-use crate::{Accuracy, Experiment, Session};
+use crate::{Accuracy, Experiment, Session, in_parallel};
 
 /// Every classifier, trained and tested at every pair of settings.
 #[derive(Serialize, Deserialize)]
@@ -39,6 +38,24 @@ pub struct Split {
     pub accuracy: Accuracy,
 }
 
+/// Reaches at one setting, each with its fold, 0 or 1. Reaches with the same clutter are in the same fold at every
+/// setting.
+pub type FoldedReaches = Vec<(usize, Recording)>;
+
+/// How well networks tell contacts at one setting apart: networks fitted at this setting, and networks fitted to as
+/// many reaches at the scenes' own setting. The figures are balanced accuracies over touched contacts, from 0 to 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VerdictTransfer {
+    /// The setting.
+    pub setting: String,
+    /// By networks fitted at this setting; `None` if too few contacts were touched, or a category in one fold alone.
+    pub fitted_here: Option<f64>,
+    /// By networks fitted at the scenes' own setting; `None` as for `fitted_here`.
+    pub fitted_nominally: Option<f64>,
+    /// Number of contacts.
+    pub contacts: usize,
+}
+
 /// Name of the setting with the scenes' own arm and speed.
 pub const NOMINAL: &str = "nominal";
 
@@ -48,13 +65,6 @@ pub struct Folded {
     pub name: String,
     /// The folds.
     pub folds: [Vec<Trial>; 2],
-}
-
-impl ComparedSettings {
-    /// Names of the classifiers, in order.
-    pub fn classifiers(&self) -> Vec<&str> {
-        distinct(self.splits.iter().map(|split| split.classifier.as_str()))
-    }
 }
 
 impl Folded {
@@ -176,6 +186,51 @@ pub fn splits(experiment: &Experiment, settings: &[Folded]) -> Result<Vec<Split>
         };
         settings.iter().zip(predictions).map(split).collect()
     };
-    let rows: Vec<Result<Vec<Split>, Fault>> = cases.par_iter().map(row).collect();
-    Ok(rows.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+    let rows: Vec<Vec<Split>> = in_parallel(&cases, row)?;
+    Ok(rows.into_iter().flatten().collect())
+}
+
+impl VerdictTransfer {
+    /// Judges each fold of the reaches `here` by networks fitted to the other fold: once of the reaches `here`, and
+    /// once of the reaches at the scenes' own setting, `nominal`.
+    ///
+    /// # Errors
+    /// If the reaches do not fit the patch.
+    pub fn of(
+        setting: &str,
+        options: &TouchOptions,
+        here: &FoldedReaches,
+        nominal: &FoldedReaches,
+    ) -> Result<Self, Fault> {
+        let (by_own, fitted_here) = judged(options, here, here)?;
+        let (by_nominal, fitted_nominally) = judged(options, nominal, here)?;
+        let contacts = by_own.max(by_nominal);
+        Ok(VerdictTransfer { setting: setting.to_owned(), fitted_here, fitted_nominally, contacts })
+    }
+}
+
+/// Number of contacts in each fold of `tested`, and the balanced accuracy on them of networks fitted to the other fold of
+/// `fitted`; none if there is nothing to fit to, or a fold lacks a category.
+fn judged(
+    options: &TouchOptions,
+    fitted: &FoldedReaches,
+    tested: &FoldedReaches,
+) -> Result<(usize, Option<f64>), Fault> {
+    let mut examples = TouchExamples::new(options.clone());
+    for (_, recording) in fitted {
+        examples.add(recording)?;
+    }
+    let (mut evaluation, categories) = (TouchEvaluation::default(), examples.categories());
+    for fold in 0..2 {
+        let model = match examples.some(|index| fitted[index].0 != fold).fit(None) {
+            Err(ModelError::NoCategories { .. } | ModelError::Mismatch { .. }) => return Ok((0, None)),
+            // Verdicts of models of different categories cannot be counted together.
+            Ok(model) if model.categories() != categories => return Ok((0, None)),
+            model => Arc::new(model?),
+        };
+        let tested = tested.iter().filter(|(own, _)| *own == fold).map(|(_, recording)| recording);
+        evaluation.add(TouchEvaluation::of_all(&model, tested)?);
+    }
+    let accuracy = evaluation.accuracy(&categories, |contact| contact.at_end);
+    Ok((evaluation.contacts.len(), accuracy.and_then(|own| own.balanced_accuracy)))
 }

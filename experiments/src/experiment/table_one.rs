@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::{Decision, Evaluation, FeatureSet, Folds, Recipe, cross_validate};
 use underbrush_recording::{Fault, Trial};
@@ -11,7 +10,7 @@ use underbrush_recording::{Fault, Trial};
 use crate::definition::{Experiment, RecipeName, Unit};
 use crate::table_cell::{Cell, CellKey, Ordering, mean_difference, orderings};
 use crate::training::{self, Trials};
-use crate::{Accuracy, Session};
+use crate::{Accuracy, Session, in_parallel};
 
 /// The table.
 #[derive(Serialize)]
@@ -79,6 +78,5 @@ pub fn evaluate(
         };
         Ok((cell, evaluation))
     };
-    let found: Vec<Result<(Cell, Evaluation), Fault>> = cases.into_par_iter().map(case).collect();
-    found.into_iter().collect()
+    in_parallel(cases, case)
 }

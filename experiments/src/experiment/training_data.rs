@@ -3,8 +3,7 @@
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Fault, Trial};
 
-use crate::audit::{self, Worst};
-use crate::reach_ends::Ends;
+use crate::audit::{self, Ends, Worst};
 use crate::training::{self, Trials};
 use crate::{Experiment, Session, Unit};
 

@@ -1,12 +1,11 @@
 //! Accuracy on truncated trials (paper, section V-C, Fig. 13).
 
-use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::{Decision, Folds, Recipe, cross_validate};
 use underbrush_recording::Fault;
 
 use super::table_one;
-use crate::{Accuracy, Session, training};
+use crate::{Accuracy, Session, in_parallel, training};
 
 /// Accuracy by length and number of states.
 #[derive(Serialize)]
@@ -53,7 +52,6 @@ pub fn run(session: &Session) -> Result<TruncatedAccuracy, Fault> {
         Ok(Truncated { states, max_samples: Some(length), accuracy: Accuracy::of(&evaluation) })
     };
     session.stage("Truncated trials", || {
-        let truncated: Vec<Result<Truncated, Fault>> = cases.into_par_iter().map(case).collect();
-        Ok(TruncatedAccuracy { figure_13: whole.map(Ok).chain(truncated).collect::<Result<_, _>>()? })
+        Ok(TruncatedAccuracy { figure_13: whole.chain(in_parallel(cases, case)?).collect() })
     })
 }

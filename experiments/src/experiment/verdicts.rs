@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::evaluate::touch::{TouchEvaluation, TouchTally};
 use underbrush_classifier::evaluate::{Accuracy, EvaluateError, TouchFigures, UnknownFigures};
@@ -13,7 +12,7 @@ use underbrush_sim::campaign::Job;
 use crate::dataset::each_reach;
 use crate::definition::VerdictSection;
 use crate::reaches::{self, Found};
-use crate::{Session, training};
+use crate::{Session, in_parallel, training};
 
 /// Number of parts into which the reaches are divided. Each part is judged by networks fitted to the other parts.
 const FOLDS: usize = 3;
@@ -96,13 +95,9 @@ pub fn run(session: &Session) -> Result<VerdictFigures, Fault> {
         for recording in &recordings {
             examples.add(recording)?;
         }
-        let folds = 0..FOLDS;
-        let held_out: Vec<Result<TouchEvaluation, Fault>> =
-            folds.into_par_iter().map(|fold| held_out(&examples, &recordings, fold)).collect();
         let mut all = TouchEvaluation::default();
-        for fold in held_out {
-            all.add(fold?);
-        }
+        let folds = in_parallel(0..FOLDS, |fold| held_out(&examples, &recordings, fold))?;
+        folds.into_iter().for_each(|fold| all.add(fold));
         for scene in &section.auxiliary {
             for recording in &drawn(session, section, scene)? {
                 examples.add_auxiliary(recording)?;

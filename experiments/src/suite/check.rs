@@ -6,10 +6,9 @@ use underbrush_recording::{Category, InputError, PLAIN, is_plain};
 use underbrush_sim::scene::Scene;
 
 use super::SceneBound;
-use super::bound::{Bound, Bounds, Entry};
-use super::file::SuiteFile;
+use super::file::{Bound, Bounds, Entry, SuiteFile};
 use super::metric::{METRICS, Metric};
-use crate::source::Source;
+use crate::files::Source;
 
 /// Largest number of reaches of a scene. A regression test cannot run more, so a larger number is a typing error.
 const MAX_REACHES: u64 = 100_000;
@@ -23,11 +22,9 @@ pub fn numbers(file: &SuiteFile, source: &Source) -> Result<(), InputError> {
         return Err(source.field("scenes", "").fault("no scenes", "at least one [[scenes]]"));
     }
     for scene in &file.scenes {
-        if !(2..=MAX_REACHES).contains(&scene.reaches) {
-            let found = scene.reaches.to_string();
-            let allowed = format!("2 to {MAX_REACHES} reaches: one alone does not show how much they vary");
-            return Err(source.fault("scenes.reaches", &found, allowed));
-        }
+        let allowed = format!("2 to {MAX_REACHES} reaches: one alone does not show how much they vary");
+        let holds = (2..=MAX_REACHES).contains(&scene.reaches);
+        source.check(holds, "scenes.reaches", &scene.reaches.to_string(), &allowed)?;
     }
     let bless = file.bless;
     if !(1e-9..=0.5).contains(&bless.false_alarm) {
@@ -45,8 +42,12 @@ pub fn numbers(file: &SuiteFile, source: &Source) -> Result<(), InputError> {
 pub fn bounds(bounds: &Bounds, scene: &Scene, has_model: bool, source: &Source) -> Result<Vec<SceneBound>, InputError> {
     let mut found = Vec::new();
     for (name, entry) in &bounds.0 {
-        let start = start_of(entry.get_ref(), entry.span());
-        let field = source.field_at(&format!("bounds.{name}"), start);
+        // A table of categories begins at its first category.
+        let first = match entry.get_ref() {
+            Entry::Bound(_) => None,
+            Entry::ByCategory(categories) => categories.values().map(|bound| bound.span().start).min(),
+        };
+        let field = source.field_at(&format!("bounds.{name}"), first.unwrap_or(entry.span().start));
         let Some(metric) = Metric::find(name) else {
             let names = METRICS.map(|metric| metric.name).join(", ");
             return Err(field.fault(name, format!("one of {names}")));
@@ -81,17 +82,6 @@ pub fn bounds(bounds: &Bounds, scene: &Scene, has_model: bool, source: &Source) 
     }
     found.sort_by_key(|bound| bound.span.start);
     Ok(found)
-}
-
-/// Where an entry begins. A table of categories begins at its first category.
-fn start_of(entry: &Entry, span: Range<usize>) -> usize {
-    match entry {
-        Entry::Bound(_) => span.start,
-        Entry::ByCategory(categories) => {
-            let starts = categories.values().map(|bound| bound.span().start);
-            starts.min().unwrap_or(span.start)
-        }
-    }
 }
 
 /// Checks the numbers of a bound.

@@ -1,15 +1,17 @@
-//! Running several suites.
+//! Runs several suites, and writes bounds from what the runs found.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use underbrush_recording::{Fault, disk};
+use underbrush_recording::{Fault, InputError, disk, math};
 
-use super::result::SuiteResult;
-use super::{Suite, bless};
+use super::metric::{Sides, Statistic};
+use super::result::{BoundResult, SuiteResult};
+use super::statistics::{margin, margin_with_one_more};
+use super::{Bound, SceneBound, Suite};
+use crate::files::{self, Source};
 use crate::progress::Progress;
-use crate::source;
 
 /// The results of some suites.
 #[derive(Debug, Serialize)]
@@ -41,7 +43,7 @@ impl Checked {
         }
         if bless {
             for (suite, path) in suites.iter().zip(paths) {
-                bless::check_places(suite, path)?;
+                check_places(suite, path)?;
             }
         }
         if let Some(seed) = seed {
@@ -73,7 +75,7 @@ pub(super) fn blessed(
     path: &Path,
     progress: &dyn Progress,
 ) -> Result<String, Fault> {
-    let text = bless::text(suite, result)?;
+    let text = blessed_text(suite, result)?;
     let new = Suite::parse(path, text.clone()).map_err(|error| {
         Fault::Usage(format!(
             "the file would not be a suite with the new bounds, so nothing was written ({error}). Write each bound in \
@@ -96,7 +98,7 @@ pub(super) fn blessed(
 /// Writes the texts with new bounds, if no file has changed since its suite was read.
 pub(super) fn write(texts: &[(&Suite, &Path, String)]) -> Result<(), Fault> {
     for (suite, path, _) in texts {
-        if source::read(path, "suite")? != suite.text {
+        if files::read(path, "suite")? != suite.text {
             let path = path.display();
             let text = "changed while the suites ran, so nothing was written; run the command again";
             return Err(Fault::Run(format!("{path}: the file {text}")));
@@ -106,4 +108,123 @@ pub(super) fn write(texts: &[(&Suite, &Path, String)]) -> Result<(), Fault> {
         disk::write_file(path, text.as_bytes())?;
     }
     Ok(())
+}
+
+/// Checks that every bound of the suite in the file at `path` can be replaced in its text: it must be written in
+/// braces. A dotted key or a table header also makes a bound, but then the bound is not in one place.
+///
+/// # Errors
+/// [`InputError`] with the line of the first other bound.
+fn check_places(suite: &Suite, path: &Path) -> Result<(), InputError> {
+    let text = suite.text.as_str();
+    for own in suite.scenes.iter().flat_map(|scene| &scene.bounds) {
+        let written = text.get(own.span.clone()).unwrap_or_default();
+        if !written.starts_with('{') {
+            let source = Source { path, text };
+            let field = source.field_at(&format!("bounds.{}", own.name()), own.span.start);
+            let found = format!("`{written}`, a dotted key or a table header");
+            let allowed = "a bound in braces, on one line, such as goals_reached = { at_least = 0.7 }";
+            return Err(field.fault(found, allowed));
+        }
+    }
+    Ok(())
+}
+
+/// The text of the suite's file with new bounds, from a result of the same suite. Everything else in the file stays as
+/// it is.
+///
+/// An existing bound stays one- or two-sided; a new one follows its metric. The false-alarm probability of the suite
+/// is shared equally among the sides of all means and shares.
+///
+/// # Errors
+/// When a metric was measured in fewer than two reaches and therefore cannot be bounded.
+pub(super) fn blessed_text(suite: &Suite, result: &SuiteResult) -> Result<String, Fault> {
+    let all = || {
+        let scenes = suite.scenes.iter().zip(&result.scenes);
+        scenes.flat_map(|(scene, found)| scene.bounds.iter().zip(&found.bounds).map(move |pair| (scene, pair)))
+    };
+    let sides: usize = all()
+        .filter(|(_, (own, _))| own.metric.statistic != Statistic::Largest)
+        .map(|(_, (own, _))| usize::from(bounded_below(own)) + usize::from(bounded_above(own)))
+        .sum();
+    let probability = suite.file.bless.false_alarm / sides.max(1) as f64;
+    let mut changes = Vec::new();
+    for (scene, (own, found)) in all() {
+        let bound = new_bound(suite, own, found, probability).ok_or_else(|| {
+            let path = scene.plan.scene.path.display();
+            let BoundResult { name, values, .. } = found;
+            Fault::Usage(format!(
+                "{path}: {name} was measured in {} of {} reaches, and a bound takes two; nothing was written. Add reaches, \
+                 change the scene, or remove the bound",
+                values.len(),
+                scene.reaches
+            ))
+        })?;
+        changes.push((own.span.clone(), written(&bound)));
+    }
+    changes.sort_by_key(|(span, _)| std::cmp::Reverse(span.start));
+    let mut text = suite.text.clone();
+    for (span, bound) in changes {
+        text.replace_range(span, &bound);
+    }
+    Ok(text)
+}
+
+fn is_new(own: &SceneBound) -> bool {
+    own.bound.at_least.is_none() && own.bound.at_most.is_none()
+}
+
+fn bounded_below(own: &SceneBound) -> bool {
+    own.bound.at_least.is_some() || (is_new(own) && own.metric.sides != Sides::AtMost)
+}
+
+fn bounded_above(own: &SceneBound) -> bool {
+    own.bound.at_most.is_some() || (is_new(own) && own.metric.sides != Sides::AtLeast)
+}
+
+fn new_bound(suite: &Suite, own: &SceneBound, result: &BoundResult, probability: f64) -> Option<Bound> {
+    let found = result.found?;
+    let values: Vec<f64> = result.values.iter().map(|own| own.value).collect();
+    let margin = match own.metric.statistic {
+        Statistic::Mean if own.metric.counts => margin_with_one_more(&values, found + 1.0, probability)?,
+        // The added reach is at the other end of the range. A share that is the same in all reaches needs it too,
+        // because it has no spread of its own.
+        Statistic::Share if own.metric.counts || values.iter().all(|value| *value == values[0]) => {
+            margin_with_one_more(&values, if found < 0.5 { 1.0 } else { 0.0 }, probability)?
+        }
+        Statistic::Mean | Statistic::Share => margin(&values, probability)?,
+        Statistic::Largest => (suite.file.bless.largest_factor - 1.0) * found.abs(),
+    };
+    let end = if own.metric.statistic == Statistic::Share { 1.0 } else { f64::INFINITY };
+    // A limit does not depend on what was found. If the file has another limit, somebody chose it on purpose.
+    let limit = own.metric.limit.map(|limit| own.bound.at_most.unwrap_or(limit));
+    let high = limit.unwrap_or((found + margin).min(end));
+    Some(Bound {
+        // No metric is negative.
+        at_least: bounded_below(own).then(|| rounded(found - margin, f64::floor).max(0.0)),
+        at_most: bounded_above(own).then(|| rounded(high, f64::ceil).min(end)),
+        blessed: Some(rounded(found, f64::round)),
+    })
+}
+
+/// A number rounded to four significant digits; `round` gives the direction.
+fn rounded(number: f64, round: fn(f64) -> f64) -> f64 {
+    if number == 0.0 || !number.is_finite() {
+        return number;
+    }
+    let digits = 3 - math::log10(number.abs()).floor() as i32;
+    // Goes through decimal text, so that no binary rounding error of the scale remains.
+    let scaled = round(number * 10_f64.powi(digits));
+    format!("{scaled}e{}", -digits).parse().unwrap_or(number)
+}
+
+fn written(bound: &Bound) -> String {
+    let keys = [("at_least", bound.at_least), ("at_most", bound.at_most), ("blessed", bound.blessed)];
+    let given = keys.into_iter().filter_map(|(key, value)| Some(format!("{key} = {}", number(value?))));
+    format!("{{ {} }}", given.collect::<Vec<_>>().join(", "))
+}
+
+/// A number as TOML. Very small numbers, such as residuals, get an exponent.
+fn number(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-4 { format!("{value:e}") } else { value.to_string() }
 }

@@ -1,11 +1,24 @@
-//! The keys of a suite file.
+//! The keys of a suite file, with the places of bounds in its text, and the model that it names.
 
-use schemars::JsonSchema;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::Path;
+use std::sync::Arc;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
-use underbrush_classifier::decision::Rule;
+use serde::de::{Deserializer, Error, MapAccess, Visitor};
+use serde_json::{Map, Value, json};
+use toml::Spanned;
+use underbrush_classifier::any_model::OnlineModel;
+use underbrush_classifier::any_model::{self, AnyModel};
+use underbrush_classifier::{Decision, ModelError, OnlineOptions, Rule};
+use underbrush_recording::Fault;
 use underbrush_sim::controller::ControllerKind;
 
-use super::bound::Bounds;
+use super::metric::{METRICS, Metric};
+use crate::files::Source;
 
 /// The keys of a suite file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -44,6 +57,38 @@ pub struct ModelSection {
     pub rule: Option<Rule>,
 }
 
+impl ModelSection {
+    /// Reads the model; `folder` is the folder of the suite file.
+    pub(super) fn load(&self, folder: &Path, source: &Source) -> Result<OnlineModel, Fault> {
+        let loaded = any_model::load(&folder.join(&self.file)).map_err(|error| match error {
+            ModelError::Input(error) => Fault::from(source.field("model.file", &self.file).named(*error)),
+            error => error.into(),
+        });
+        match loaded? {
+            AnyModel::Touch(model) => {
+                let given = [
+                    ("model.patch", self.patch.is_some()),
+                    ("model.threshold_n", self.threshold_n.is_some()),
+                    ("model.rule", self.rule.is_some()),
+                ];
+                // A touch model would ignore such keys.
+                if let Some((key, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
+                    let allowed =
+                        "no such key with a touch model, whose file has its own patch, threshold and decision";
+                    return Err(source.field(key, "").fault("a value", allowed).into());
+                }
+                Ok(OnlineModel::Touch(Arc::from(model)))
+            }
+            AnyModel::OfTrials(model) => {
+                let mut decision = model.decision.clone().unwrap_or(Decision::argmax());
+                decision.rule = self.rule.unwrap_or(decision.rule);
+                let options = OnlineOptions::new(self.patch.clone(), self.threshold_n, decision);
+                Ok(OnlineModel::OfTrials(Box::new(model), options))
+            }
+        }
+    }
+}
+
 /// How `--bless` computes bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -73,4 +118,88 @@ pub struct SceneEntry {
     /// The bounds, by metric.
     #[serde(default)]
     pub bounds: Bounds,
+}
+
+/// Bounds of one number: `{ at_least = 0.7, at_most = 0.9, blessed = 0.8 }`. If both `at_least` and `at_most` are
+/// missing, the next `--bless` sets them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default, expecting = "a bound, with keys among at_least, at_most and blessed")]
+pub struct Bound {
+    /// Smallest value that is allowed.
+    pub at_least: Option<f64>,
+    /// Largest value that is allowed.
+    pub at_most: Option<f64>,
+    /// The value from which `--bless` computed the bounds. It does not decide anything.
+    pub blessed: Option<f64>,
+}
+
+/// The bounds of one scene, by metric.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(transparent)]
+pub struct Bounds(pub BTreeMap<String, Spanned<Entry>>);
+
+/// The value of a metric's key.
+#[derive(Clone, Debug)]
+pub enum Entry {
+    /// A bound.
+    Bound(Bound),
+    /// A bound for each of some categories, by name.
+    ByCategory(BTreeMap<String, Spanned<Bound>>),
+}
+
+impl<'de> Deserialize<'de> for Entry {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct EntryVisitor;
+        impl<'de> Visitor<'de> for EntryVisitor {
+            type Value = Entry;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a bound such as { at_least = 0.7, at_most = 0.9 }, or one for each category")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Entry, A::Error> {
+                let (mut bound, mut categories) = (Bound::default(), BTreeMap::new());
+                let mut own_keys = false;
+                while let Some(key) = map.next_key::<String>()? {
+                    let value = match key.as_str() {
+                        "at_least" => &mut bound.at_least,
+                        "at_most" => &mut bound.at_most,
+                        "blessed" => &mut bound.blessed,
+                        _ => {
+                            categories.insert(key, map.next_value()?);
+                            continue;
+                        }
+                    };
+                    *value = Some(map.next_value()?);
+                    own_keys = true;
+                }
+                match (own_keys, categories.keys().next()) {
+                    (true, Some(key)) => Err(A::Error::unknown_field(key, &["at_least", "at_most", "blessed"])),
+                    (false, Some(_)) => Ok(Entry::ByCategory(categories)),
+                    (_, None) => Ok(Entry::Bound(bound)),
+                }
+            }
+        }
+        deserializer.deserialize_map(EntryVisitor)
+    }
+}
+
+impl JsonSchema for Bounds {
+    fn schema_name() -> Cow<'static, str> {
+        "Bounds".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let bound = generator.subschema_for::<Bound>();
+        let property = |metric: &Metric| {
+            let own = if metric.by_category {
+                json!({ "type": "object", "additionalProperties": bound, "description": metric.summary })
+            } else {
+                json!({ "allOf": [bound], "description": metric.summary })
+            };
+            (metric.name.to_owned(), own)
+        };
+        let properties: Map<String, Value> = METRICS.iter().map(property).collect();
+        json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
+    }
 }

@@ -1,7 +1,7 @@
 //! Regression suites: scenes, a controller and a model, with bounds on the results of running them.
 //!
 //! A suite file ([`mod@file`]) says what to run and, for each scene, which metrics ([`metric`]) must stay within which
-//! bounds. [`Suite::run`] runs it and checks every metric against its bounds; [`bless::text`] writes bounds from what
+//! bounds. [`Suite::run`] runs it and checks every metric against its bounds; [`Checked::of`] can write bounds from what
 //! was found, with a margin that `statistics` derives.
 
 use std::collections::BTreeSet;
@@ -12,23 +12,19 @@ use underbrush_classifier::any_model::OnlineModel;
 use underbrush_recording::{Category, Fault, InputError};
 use underbrush_sim::{ReachPlan, Scene};
 
-use crate::source::{self, Source};
+use crate::files::{self, Source};
 
-pub mod bless;
-mod bound;
 mod check;
 mod checked;
 pub mod file;
-mod judging;
 pub mod metric;
 pub mod result;
-mod run;
 mod statistics;
 #[cfg(test)]
 mod tests;
 
-pub use bound::Bound;
 pub use checked::Checked;
+pub use file::Bound;
 
 use file::{SceneEntry, SuiteFile};
 use metric::Metric;
@@ -93,7 +89,7 @@ impl Suite {
     /// # Errors
     /// When a file cannot be read, is not TOML, has unknown keys or a value that is not allowed.
     pub fn load(path: &Path) -> Result<Self, Fault> {
-        Self::parse(path, source::read(path, "suite")?)
+        Self::parse(path, files::read(path, "suite")?)
     }
 
     /// Checks the text of a suite file, and reads its scenes and its model.
@@ -102,7 +98,7 @@ impl Suite {
         let file: SuiteFile = source.parse("suite")?;
         check::numbers(&file, &source)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let model = file.model.as_ref().map(|own| judging::load(own, folder, &source)).transpose()?;
+        let model = file.model.as_ref().map(|own| own.load(folder, &source)).transpose()?;
         let (mut scenes, mut names) = (Vec::new(), BTreeSet::new());
         for entry in &file.scenes {
             let scene = scene(&file, entry, folder, &source, model.as_ref())?;

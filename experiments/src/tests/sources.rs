@@ -107,6 +107,6 @@ fn the_hash_covers_the_libraries_that_decide_data() {
 #[test]
 fn the_program_holds_the_hashes_of_its_sources() {
     let folders = side_by_side(&Path::new(env!("CARGO_MANIFEST_DIR")).join(".."));
-    assert_eq!(crate::result_cache::ANALYSIS_VERSION, hash(&folders.analysis_sources()));
+    assert_eq!(crate::run_folder::ANALYSIS_VERSION, hash(&folders.analysis_sources()));
     assert!(crate::dataset::PROGRAM_VERSION.ends_with(&hash(&folders.data_sources())));
 }

@@ -4,9 +4,9 @@ use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
 use crate::Experiment;
+use crate::experiment::settings::{FoldedReaches, VerdictTransfer};
 use crate::experiment::verdicts::held_out;
 use crate::tests::scenes;
-use crate::verdict_transfer::{FoldedReaches, VerdictTransfer};
 
 fn examples(recordings: &[Recording]) -> TouchExamples {
     let mut examples = TouchExamples::new(Experiment::paper().unwrap().touch_options());

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use super::axis::Fitted;
 use super::layer::{Layer, Mark, Point, Shape, Style};
-use super::markup::{joined, svg_rect, svg_text};
+use super::markup::{joined, svg_text};
 
 /// Sizes of the drawing and of the margins around the data, px. The drawing is scaled to the available width.
 pub(super) const WIDTH: f64 = 540.0;
@@ -127,9 +127,12 @@ impl<'a> Canvas<'a> {
             let Some((low, high)) = plot.y_px(from).zip(plot.y_px(to)) else { continue };
             let Some(x) = plot.x_px(place as f64) else { continue };
             self.stacked[place] = to;
-            let size = (0.72 * slot, (low - high).max(0.0));
-            let paint = format!("fill=\"{fill}\" stroke=\"{}\"", style.colour);
-            let _ = writeln!(self.svg, "{}", svg_rect((x - 0.36 * slot, high), size, &paint));
+            let (left, width, height) = (x - 0.36 * slot, 0.72 * slot, (low - high).max(0.0));
+            let _ = writeln!(
+                self.svg,
+                "<rect x=\"{left:.1}\" y=\"{high:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" fill=\"{fill}\" stroke=\"{}\"/>",
+                style.colour
+            );
         }
     }
 

@@ -57,11 +57,6 @@ pub fn svg_text(x: f64, y: f64, attributes: &str, words: &str) -> String {
     format!("<text x=\"{x:.1}\" y=\"{y:.1}\"{attributes}>{}</text>", escape(words))
 }
 
-/// A rectangle of a picture with its upper left corner and its size, px.
-pub fn svg_rect((x, y): (f64, f64), (width, height): (f64, f64), attributes: &str) -> String {
-    format!("<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" {attributes}/>")
-}
-
 /// The start of a picture whose title is shown in its first line and, with the description, read aloud.
 pub fn svg_head(name: &str, title: &str, description: &str, [width, height]: [f64; 2]) -> String {
     let (name, title, description) = (slug(name), escape(title), escape(description));

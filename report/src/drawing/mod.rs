@@ -15,7 +15,7 @@ mod table;
 pub use axis::{Axis, Scale};
 pub use chart::{Chart, chart};
 pub use layer::{Dash, Layer, Mark, Point, Shape, Style};
-pub use markup::{escape, joined, slug, svg_head, svg_rect, svg_text};
+pub use markup::{escape, joined, slug, svg_head, svg_text};
 pub use page::Page;
 pub use table::{Cell, Rows, Table};
 

@@ -63,12 +63,12 @@ impl Page {
     }
 
     /// Cards with a heading and a list of statements. A card without statements is left out.
-    pub fn cards(&mut self, cards: &[(&str, Vec<String>)]) {
-        let cards = cards.iter().filter(|(_, statements)| !statements.is_empty()).map(|(heading, statements)| {
-            let heading = escape(heading);
-            format!("<section><h2>{heading}</h2>{}</section>", list(statements))
-        });
-        let _ = writeln!(self.body, "<div class=\"cards\">\n{}</div>", joined(cards, "\n"));
+    pub fn cards<'a>(&mut self, cards: impl IntoIterator<Item = (&'a str, Vec<String>)>) {
+        let cards = cards.into_iter().filter(|(_, statements)| !statements.is_empty());
+        let card = |(heading, statements): (&str, Vec<String>)| {
+            format!("<section><h2>{}</h2>{}</section>", escape(heading), list(statements))
+        };
+        let _ = writeln!(self.body, "<div class=\"cards\">\n{}</div>", joined(cards.map(card), "\n"));
     }
 
     /// A paragraph.
@@ -87,7 +87,7 @@ impl Page {
     }
 
     /// A list of statements.
-    pub fn list(&mut self, items: &[String]) {
+    pub fn list(&mut self, items: impl IntoIterator<Item = String>) {
         self.body += &list(items);
     }
 
@@ -120,12 +120,13 @@ impl Page {
     }
 
     /// A paragraph of links, each with its address and text, after some words; nothing without links.
-    pub fn links(&mut self, words: &str, links: &[(String, String)]) {
-        if links.is_empty() {
-            return;
+    pub fn links(&mut self, words: &str, links: impl Iterator<Item = (String, String)>) {
+        let link =
+            |(address, text): (String, String)| format!("<a href=\"{}\">{}</a>", escape(&address), escape(&text));
+        let links = joined(links.map(link), ", ");
+        if !links.is_empty() {
+            let _ = writeln!(self.body, "<p>{}: {links}</p>", escape(words));
         }
-        let link = |(address, text): &(String, String)| format!("<a href=\"{}\">{}</a>", escape(address), escape(text));
-        let _ = writeln!(self.body, "<p>{}: {}</p>", escape(words), joined(links.iter().map(link), ", "));
     }
 
     /// The whole page.
@@ -141,7 +142,7 @@ impl Page {
     }
 }
 
-fn list(items: &[String]) -> String {
-    let items = items.iter().map(|item| format!("<li>{}</li>", escape(item)));
+fn list(items: impl IntoIterator<Item = String>) -> String {
+    let items = items.into_iter().map(|item| format!("<li>{}</li>", escape(&item)));
     format!("<ul>\n{}\n</ul>\n", joined(items, "\n"))
 }

@@ -155,6 +155,18 @@ impl<T: Copy> Rows<T> {
         if is_given { add(self) } else { self }
     }
 
+    /// The rows as a table for a terminal.
+    ///
+    /// ```
+    /// use underbrush_report::drawing::Rows;
+    ///
+    /// let rows = Rows::of([("leaf", 7_usize), ("trunk", 12)]).column("category", |row| row.0).column("trials", |row| row.1);
+    /// assert_eq!(rows.text().lines().last(), Some("trunk         12"));
+    /// ```
+    pub fn text(self) -> String {
+        self.table("", "").first_columns(usize::MAX)
+    }
+
     /// The finished table.
     pub fn table(self, name: &str, caption: impl Into<String>) -> Table {
         Table { name: name.into(), caption: caption.into(), ..self.table }
@@ -165,6 +177,26 @@ impl Table {
     /// The rows as shown to people.
     pub fn texts(&self) -> Vec<Vec<String>> {
         self.rows.iter().map(|row| row.iter().map(Cell::text).collect()).collect()
+    }
+
+    /// The first columns, for a terminal, each padded to its widest entry. The first column is aligned left, the
+    /// others right.
+    pub fn first_columns(&self, columns: usize) -> String {
+        let mut lines = [vec![self.columns.clone()], self.texts()].concat();
+        lines.iter_mut().for_each(|line| line.truncate(columns));
+        let width = |column: usize| {
+            let entries = lines.iter().filter_map(|line| line.get(column));
+            entries.map(|entry| entry.chars().count()).max().unwrap_or(0)
+        };
+        let widths: Vec<usize> = (0..lines[0].len()).map(width).collect();
+        let padded = |line: &Vec<String>| {
+            let cells = line.iter().zip(&widths).enumerate().map(|(column, (cell, width))| {
+                if column == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+            });
+            joined(cells, "  ").trim_end().to_string() + "\n"
+        };
+        let rule = joined(widths.iter().map(|width| "-".repeat(*width)), "  ");
+        padded(&lines[0]) + &rule + "\n" + &lines[1..].iter().map(padded).collect::<String>()
     }
 
     /// The table as CSV (RFC 4180), with a header and all digits. Missing values and those that are not finite are

@@ -245,7 +245,7 @@ fn a_page_is_well_formed_and_escapes() {
     // Tests that text cannot break out of the page, every section is folded with its own address, a card without statements is left
     // out, and tables link to their numbers.
     let mut page = Page::new("Leaf <or> trunk");
-    page.cards(&[("Agrees", vec!["1 < 2".into()]), ("Does not", Vec::new())]);
+    page.cards([("Agrees", vec!["1 < 2".into()]), ("Does not", Vec::new())]);
     page.section("Table I & more");
     page.paragraph("a < b");
     page.section("What was run");

@@ -16,8 +16,7 @@ pub fn add(report: &mut Report, outcome: &AblationResults) {
     report.section("ablation", "Ablation");
     report.page.paragraphs(sentence(&outcome.ablation));
     let changes = file.ablation.iter().map(|name| described(*name));
-    let changes: Vec<String> = changes.map(|(name, what)| format!("{name}: {what}")).collect();
-    report.page.list(&changes);
+    report.page.list(changes.map(|(name, what)| format!("{name}: {what}")));
     let table = table(&outcome.ablation, &report.results.definition.labels());
     report.printed(table, 10);
 }

@@ -2,13 +2,12 @@
 
 use underbrush_experiments::accuracy::Figures;
 use underbrush_experiments::experiment::campaigns::{CampaignFigures, Campaigns, ComparedCampaigns};
-use underbrush_experiments::table_cell::{Cell, unit_name};
+use underbrush_experiments::table_cell::{self, unit_name};
 
 use super::classifiers;
 use super::table_one::trials_and_features;
 use crate::agreement::{self, Compared};
-use crate::drawing::{Rows, Table};
-use crate::report::{CAMPAIGN_COLUMNS, Report, campaign_cells, campaigns_by_touch, possessive, seeds};
+use crate::{Cell, Report, Rows, Table, campaigns_by_touch, possessive, seeds};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ComparedCampaigns) {
@@ -16,9 +15,8 @@ pub fn add(report: &mut Report, outcome: &ComparedCampaigns) {
     let compared: Vec<Compared> = campaigns.table_1.iter().map(compared).collect();
     report.section("campaigns", "Cross-validation over several campaigns");
     let count = campaigns.seeds.len();
-    report
-        .page
-        .paragraph(&format!("Means of {count} independent campaigns, each with its own clutter, goals and noise."));
+    let means = format!("Means of {count} independent campaigns, each with its own clutter, goals and noise.");
+    report.page.paragraph(&means);
     let what = |recipe: &str| format!("In the mean of {count} campaigns, with the {recipe} recipe");
     let recipes = agreement::add_sentences(report, &compared, what);
     let caption = "The paper's orderings on the mean campaign";
@@ -38,7 +36,7 @@ pub fn add(report: &mut Report, outcome: &ComparedCampaigns) {
 }
 
 /// The cell, to be compared with the published one. Its interval is one standard deviation.
-pub fn compared(cell: &Cell<CampaignFigures>) -> Compared<'_> {
+pub fn compared(cell: &table_cell::Cell<CampaignFigures>) -> Compared<'_> {
     let Figures { accuracy: own, balanced_accuracy, majority_baseline } = &cell.figures.all;
     let deviation = own.standard_deviation.unwrap_or(0.0);
     Compared {
@@ -91,6 +89,25 @@ fn classifiers_table(campaigns: &Campaigns, published: Option<f64>) -> Table {
         .against_best(published, |own| own.figures.all.accuracy.mean)
         .table("campaign_classifiers", caption)
 }
+
+/// Figures over campaigns: mean, standard deviation, minimum and maximum of the accuracy, then mean and standard
+/// deviation of the balanced accuracy and of the majority baseline.
+fn campaign_cells(own: &CampaignFigures) -> [Cell; 8] {
+    let Figures { accuracy, balanced_accuracy, majority_baseline } = &own.all;
+    [
+        Cell::Number(accuracy.mean, 1),
+        Cell::optional(accuracy.standard_deviation, 1),
+        Cell::Number(accuracy.min, 1),
+        Cell::Number(accuracy.max, 1),
+        Cell::Number(balanced_accuracy.mean, 1),
+        Cell::optional(balanced_accuracy.standard_deviation, 1),
+        Cell::Number(majority_baseline.mean, 1),
+        Cell::optional(majority_baseline.standard_deviation, 1),
+    ]
+}
+
+/// Column names of [`campaign_cells`] in tables of the page.
+const CAMPAIGN_COLUMNS: [&str; 8] = ["mean", "SD", "min", "max", "balanced", "SD", "majority", "SD"];
 
 /// The mean campaign in one recipe.
 fn of_recipe(campaigns: &Campaigns, recipe: &str) -> Table {

@@ -4,8 +4,7 @@ use underbrush_classifier::evaluate::AccuracyBySamples;
 use underbrush_experiments::definition::ClassifierEntry;
 use underbrush_experiments::experiment::classifiers::{Compared, ComparedClassifiers, Speed};
 
-use crate::report::{ACCURACY_HEADINGS, Report, by_touch};
-use crate::{AccuracyChart, Cell, Rows, Table, joined, lowest, style};
+use crate::{ACCURACY_HEADINGS, AccuracyChart, Cell, Report, Rows, Table, by_touch, joined, lowest, style};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ComparedClassifiers) {

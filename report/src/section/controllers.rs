@@ -3,9 +3,8 @@
 use underbrush_experiments::experiment::controllers::{ComparedControllers, ControllerFigures};
 use underbrush_experiments::resampled::Estimate;
 
-use crate::drawing::{Axis, Cell, Dash, Layer, Point, Rows, Shape, Style, Table, chart, joined};
-use crate::report::Report;
 use crate::style::FIRST;
+use crate::{Axis, Cell, Dash, Layer, Point, Report, Rows, Shape, Style, Table, chart, joined};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ComparedControllers) {

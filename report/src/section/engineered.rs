@@ -5,7 +5,7 @@ use underbrush_experiments::frame_verdicts::Shares;
 use underbrush_recording::distinct;
 
 use crate::style::{CORRECT, UNCERTAIN, WRONG};
-use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replay_links};
+use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replayed};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &EngineeredReaches) {
@@ -26,11 +26,9 @@ pub fn add(report: &mut Report, outcome: &EngineeredReaches) {
     ));
     report.page.figure("Verdicts on all taxels in contact, over all frames of a reach.", &[shares_chart(outcome)]);
     let found = reaches.iter().filter(|reach| reach.reach_index.is_some());
-    let links: Vec<(String, String)> = found
-        .enumerate()
-        .map(|(place, reach)| (replay_links::reach(replay_links::ENGINEERED_FILE, place), reach.scene.clone()))
-        .collect();
-    report.page.links("Replay these reaches in 3-D", &links);
+    let link =
+        |(place, reach): (usize, &Engineered)| (replayed::reach(replayed::ENGINEERED_FILE, place), reach.scene.clone());
+    report.page.links("Replay these reaches in 3-D", found.enumerate().map(link));
     report.printed(table(outcome), 10);
 }
 

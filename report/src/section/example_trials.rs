@@ -3,7 +3,7 @@
 use underbrush_experiments::experiment::example_trials::{Example, ExampleTrials, Typical};
 use underbrush_recording::{FRAME_PERIOD_S, Sample};
 
-use crate::{Axis, CategoryLooks, Layer, Report, Rows, Shape, Table, chart, joined, replay_links};
+use crate::{Axis, CategoryLooks, Layer, Report, Rows, Shape, Table, chart, joined, replayed};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ExampleTrials) {
@@ -26,10 +26,8 @@ pub fn add(report: &mut Report, outcome: &ExampleTrials) {
     };
     report.page.paragraph(&text);
     report.page.figure(&caption, &charts(outcome, &report.looks));
-    let examples = outcome.figure_5.iter().enumerate();
-    let links: Vec<(String, String)> =
-        examples.map(|(place, own)| (address(own, place), own.category.clone())).collect();
-    report.page.links("Replay these trials in 3-D", &links);
+    let links = outcome.figure_5.iter().enumerate().map(|(place, own)| (address(own, place), own.category.clone()));
+    report.page.links("Replay these trials in 3-D", links);
     report.numbers(table(outcome));
 }
 
@@ -38,7 +36,7 @@ fn address(example: &Example, place: usize) -> String {
     let time_s = example.data.samples.first().map_or(0.0, |sample| sample.time_s);
     let patch = example.data.patch.as_deref();
     let taxel = patch.zip(example.taxel).map(|(patch, taxel)| (patch, taxel as usize));
-    replay_links::moment(replay_links::TRAINING_FILE, place, time_s, taxel)
+    replayed::moment(replayed::TRAINING_FILE, place, time_s, taxel)
 }
 
 /// The medians of each category.

@@ -6,11 +6,11 @@ use underbrush_classifier::decision::Rule;
 use underbrush_classifier::evaluate::{RocCurve, RocPoint, StreamFrame, ThresholdTargets};
 use underbrush_experiments::experiment::outliers::{CHOSEN, Detection, OutlierThresholds};
 use underbrush_experiments::frame_verdicts::{Classified, Online};
-use underbrush_experiments::thresholds::Thresholds;
+use underbrush_experiments::online_models::Thresholds;
 use underbrush_recording::{Category, FRAME_PERIOD_S};
 
-use crate::style::{FIRST, INK, OUTLIER};
-use crate::{Axis, CategoryLooks, Dash, Layer, Report, Rows, Shape, Style, Table, chart, joined, replay_links, roc};
+use crate::style::{CategoryLooks, FIRST, INK, OUTLIER};
+use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, joined, replayed, square_chart};
 
 /// Share of taxel frames left uncertain above which the page says that a rule fails. Choice: such a rule decides on
 /// fewer than one in ten.
@@ -37,11 +37,11 @@ pub fn add(report: &mut Report, outcome: &OutlierThresholds) {
         // On its page they follow the general reach.
         let first = usize::from(outcome.online.shown().is_some());
         let link = |(place, reach): (usize, &Classified)| {
-            let address = replay_links::reach(replay_links::TEST_FILE, first + place);
+            let address = replayed::reach(replayed::TEST_FILE, first + place);
             (address, format!("draw {}", reach.reach_index))
         };
         let reaches = outcome.online.outlier.iter().enumerate();
-        report.page.links("Replay these reaches in 3-D", &reaches.map(link).collect::<Vec<_>>());
+        report.page.links("Replay these reaches in 3-D", reaches.map(link));
     }
     report.numbers(frames_table(&outcome.online));
     report.page.paragraph(&thresholds(&outcome.curves));
@@ -256,7 +256,7 @@ fn roc_charts(thresholds: &Thresholds, first: &str) -> Vec<String> {
         let layer =
             Layer::new(format!("area {:.3}", curve.area), Style::line(colour, Dash::Solid), Shape::Line(points));
         let y = format!("{name} trials found / %");
-        roc::square_chart((&format!("roc-{name}"), &title), description, (&x, &y), "chance", vec![layer])
+        square_chart((&format!("roc-{name}"), &title), description, (&x, &y), "chance", vec![layer])
     };
     category.into_iter().chain(outlier).map(chart).collect()
 }

@@ -2,11 +2,11 @@
 
 use underbrush_classifier::evaluate::Tally;
 use underbrush_classifier::feature::FeatureSet;
-use underbrush_experiments::experiment::over_time::AccuracyOverTime;
+use underbrush_experiments::experiment::over_time::{AccuracyOverTime, seconds_per_100_taxels};
 use underbrush_experiments::frame_verdicts::Classified;
 
 use crate::style::{CORRECT, FIRST, INK, UNCERTAIN, UNTOUCHED, WRONG};
-use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replay_links};
+use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replayed};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &AccuracyOverTime) {
@@ -71,7 +71,7 @@ pub fn add(report: &mut Report, outcome: &AccuracyOverTime) {
          crosstalk); they have no truth and are not in the other charts.",
         &verdicts(reach),
     );
-    report.page.link(&replay_links::reach(replay_links::TEST_FILE, 0), "Replay this reach in 3-D");
+    report.page.link(&replayed::reach(replayed::TEST_FILE, 0), "Replay this reach in 3-D");
     report.numbers(times_table(reach));
     report.numbers(frames_table(reach));
 }
@@ -95,11 +95,7 @@ fn every(labels: &[&str]) -> String {
 
 fn computation_time(report: &Report, reach: &Classified) -> String {
     let timing = &report.results.timing;
-    let frames = reach.stream.frames.iter().zip(&reach.stream.seconds);
-    let points = frames.map(|(frame, seconds)| {
-        let per_100 = 100.0 * seconds / frame.in_contact as f64;
-        (frame.time_s, if frame.in_contact > 0 { per_100 } else { f64::NAN })
-    });
+    let points = seconds_per_100_taxels(reach).map(|(frame, seconds)| (frame.time_s, seconds.unwrap_or(f64::NAN)));
     let mean = timing.figure_8_seconds_per_100_taxels.unwrap_or(f64::NAN);
     let description = format!("Mean {mean:.2e} s for a new sample of 100 taxels in contact.");
     let here = Shape::Line(points.collect());
@@ -170,12 +166,10 @@ fn verdicts(reach: &Classified) -> Vec<String> {
 /// Computation time frame by frame. Only this table and the table of stages contain wall times, which differ from run
 /// to run.
 fn times_table(reach: &Classified) -> Table {
-    Rows::of(reach.stream.frames.iter().zip(&reach.stream.seconds))
+    Rows::of(seconds_per_100_taxels(reach))
         .number("time_s", 2, |(frame, _)| frame.time_s)
         .column("taxels_in_contact", |(frame, _)| frame.in_contact)
-        .number("seconds_per_100_taxels", 9, |(frame, seconds)| {
-            (frame.in_contact > 0).then(|| 100.0 * seconds / frame.in_contact as f64)
-        })
+        .number("seconds_per_100_taxels", 9, |(_, seconds)| seconds)
         .table("figure_8_times", "Computation time")
 }
 

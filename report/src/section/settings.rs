@@ -4,8 +4,7 @@ use underbrush_experiments::accuracy::Accuracy;
 use underbrush_experiments::experiment::settings::{ComparedSettings, Split};
 use underbrush_recording::distinct;
 
-use crate::drawing::{Cell, Rows, Table};
-use crate::report::{ACCURACY_COLUMNS, Report};
+use crate::{ACCURACY_COLUMNS, Cell, Report, Rows, Table};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ComparedSettings) {
@@ -18,9 +17,8 @@ pub fn add(report: &mut Report, outcome: &ComparedSettings) {
          Classifiers are trained on one half of the reaches at one setting and tested on the other half at each setting, then \
          the other way round, so that no clutter occurs in both training and testing.",
     );
-    let classifiers = outcome.classifiers();
-    let sentences: Vec<String> = classifiers.iter().filter_map(|classifier| sentence(outcome, classifier)).collect();
-    report.page.list(&sentences);
+    let classifiers = distinct(outcome.splits.iter().map(|split| split.classifier.as_str()));
+    report.page.list(classifiers.iter().filter_map(|classifier| sentence(outcome, classifier)));
     for classifier in classifiers {
         let table = of_classifier(outcome, classifier);
         report.page.table(&table);

@@ -5,8 +5,7 @@ use underbrush_experiments::experiment::table_one::TableOne;
 use underbrush_experiments::table_cell::{Cell, CellKey, unit_name};
 
 use crate::agreement::{self, Compared};
-use crate::drawing::{Rows, Table, joined};
-use crate::report::{ACCURACY_COLUMNS, Report, by_touch, possessive, seeds};
+use crate::{ACCURACY_COLUMNS, Report, Rows, Table, by_touch, joined, possessive, seeds};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &TableOne) {

@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 use underbrush_experiments::experiment::truncation::{Truncated, TruncatedAccuracy};
 use underbrush_recording::distinct;
 
-use crate::report::{ACCURACY_HEADINGS, Report, by_touch};
-use crate::{AccuracyChart, Cell, Rows, Table, joined, lowest, style};
+use crate::{ACCURACY_HEADINGS, AccuracyChart, Cell, Report, Rows, Table, by_touch, joined, lowest, style};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &TruncatedAccuracy) {

@@ -5,7 +5,7 @@ use underbrush_classifier::evaluate::touch::CalibrationBin;
 use underbrush_experiments::experiment::verdicts::{VerdictFigures, Verdicts};
 
 use crate::style::FIRST;
-use crate::{Cell, Layer, Report, Rows, Shape, Table, joined, roc};
+use crate::{Cell, Layer, Report, Rows, Shape, Table, joined, square_chart};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &VerdictFigures) {
@@ -105,7 +105,7 @@ fn calibration_chart(bins: &[CalibrationBin]) -> String {
     let axes = ("probability of the likeliest class / %", "it is true / %");
     let layers = vec![Layer::new("held-out reaches", FIRST, Shape::Line(points))];
     let names = ("verdict-calibration", "Do probabilities mean what they say?");
-    roc::square_chart(names, description, axes, "as it should be", layers)
+    square_chart(names, description, axes, "as it should be", layers)
 }
 
 fn calibration_table(bins: &[CalibrationBin]) -> Table {

@@ -9,8 +9,9 @@ use underbrush_experiments::frame_verdicts::{Classified, Online};
 use underbrush_recording::{Category, FRAME_PERIOD_S, Grid, Sample, Trial};
 
 use super::elements;
+use crate::CategoryLooks;
+use crate::section::moments::skin_map;
 use crate::section::{example_trials as trial_section, moments, outliers};
-use crate::{CategoryLooks, skin_map};
 
 const REED: Category = Category::new("reed", 4).unwrap();
 const LABELS: [&str; 3] = ["leaf", "trunk", "reed"];
@@ -111,7 +112,7 @@ fn the_skin_map_names_it() {
     let grid = |columns| Grid { rows: 2, columns, wraps: true };
     let verdicts = BTreeMap::from([(1, Verdict::Category("reed".into()))]);
     let draw = |columns, labels: &[&str]| {
-        skin_map::svg("any", ("sleeve", grid(columns)), (labels, &looks()), &verdicts, &BTreeSet::from([1]))
+        skin_map("any", ("sleeve", grid(columns)), (labels, &looks()), &verdicts, &BTreeSet::from([1]))
     };
     let svg = draw(30, &LABELS);
     let legend = ["leaf", "trunk", "reed", "outlier", "uncertain", "untouched"];

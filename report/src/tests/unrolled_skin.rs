@@ -5,8 +5,9 @@ use underbrush_recording::Grid;
 use underbrush_sim::scene::Scene;
 
 use super::elements;
+use crate::CategoryLooks;
+use crate::section::moments::skin_map;
 use crate::style::{LEAF, UNTOUCHED};
-use crate::{CategoryLooks, skin_map};
 
 const GRID: Grid = Grid { rows: 4, columns: 3, wraps: true };
 
@@ -18,7 +19,7 @@ fn leaf_on(taxels: &[usize]) -> BTreeMap<usize, Verdict> {
 /// The skin of a patch with the paper's categories.
 fn drawn(name: &str, grid: Grid, verdicts: &BTreeMap<usize, Verdict>, pressed: &BTreeSet<usize>) -> String {
     let labels = (&["leaf", "trunk"][..], &CategoryLooks::default());
-    skin_map::svg(name, ("forearm", grid), labels, verdicts, pressed)
+    skin_map(name, ("forearm", grid), labels, verdicts, pressed)
 }
 
 /// The y coordinate, px downwards, of the text that is exactly `label`, and those of all marks in document order.

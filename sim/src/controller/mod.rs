@@ -115,16 +115,17 @@ impl Default for AllowedForces {
 }
 
 impl AllowedForces {
-    /// The contact with this verdict, and with the limit that the verdict gives, if it gives one; `None` if nothing touches the
-    /// taxel.
-    pub fn applied_to(&self, contact: &TaxelContact, verdict: Option<Verdict>) -> Option<TaxelContact> {
+    /// Gives a contact its verdict, and the limit that the verdict gives, if it gives one; false if nothing touches the taxel.
+    pub fn apply(&self, contact: &mut TaxelContact, verdict: Option<Verdict>) -> bool {
         let limit_n = match verdict.as_ref().map(|verdict| &verdict.touched) {
-            Some(Touched::Nothing) => return None,
+            Some(Touched::Nothing) => return false,
             Some(Touched::Category(name)) => self.categories_n.get(&**name).copied(),
             Some(Touched::Unknown) => self.unknown_n,
             Some(Touched::Uncertain) | None => None,
         };
-        Some(TaxelContact { allowed_force_n: limit_n.or(contact.allowed_force_n), verdict, ..contact.clone() })
+        contact.allowed_force_n = limit_n.or(contact.allowed_force_n);
+        contact.verdict = verdict;
+        true
     }
 }
 

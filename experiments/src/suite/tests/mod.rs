@@ -2,6 +2,7 @@ mod metrics;
 
 use std::path::PathBuf;
 
+use super::checked::blessed_text;
 use super::result::{BoundVerdict, ReachValue, SceneResult, SuiteResult};
 use super::*;
 use crate::progress::Silent;
@@ -43,7 +44,7 @@ fn result(suite: &Suite, values: &[&[f64]]) -> SuiteResult {
     let scene = &suite.scenes[0];
     let of_bound = |(own, values): (&SceneBound, &&[f64])| {
         let values = values.iter().zip(0..).map(|(value, reach_index)| ReachValue { reach_index, value: *value });
-        run::held(own, values.collect())
+        result::held(own, values.collect())
     };
     let bounds = scene.bounds.iter().zip(values).map(of_bound).collect();
     let mut result = SuiteResult {
@@ -115,7 +116,7 @@ fn blessing_changes_the_bounds_alone() {
         &[2.0, 2.0, 2.0, 2.0],
     ];
     let found = result(&suite, &values);
-    let text = bless::text(&suite, &found).unwrap();
+    let text = blessed_text(&suite, &found).unwrap();
     // Means and shares have six sides, of which the new bound on the trunk's peak force has two.
     let margin = statistics::margin(values[3], 0.04 / 6.0).unwrap();
     let before: Vec<&str> = SUITE.lines().collect();
@@ -142,7 +143,7 @@ fn blessing_changes_the_bounds_alone() {
     let again = blessed.hold(found);
     assert!(again.passed, "{again:?}");
     // The same run gives the same text again.
-    assert_eq!(bless::text(&blessed, &again).unwrap(), text);
+    assert_eq!(blessed_text(&blessed, &again).unwrap(), text);
 }
 
 /// Tests that a bound as a dotted key or under a table header is checked as any other but not blessed: the error names
@@ -198,7 +199,7 @@ fn bounds_that_allow_everything_are_noticed() {
     let (_folder, file) = written(SUITE);
     let suite = Suite::load(&file).unwrap();
     let found = result(&suite, &[&[1.0, 9.0], &[0.0, 1.0, 0.0, 1.0], &[0.25, 0.125], &[1.0, 1.0], &[2.0, 3.0]]);
-    std::fs::write(&file, bless::text(&suite, &found).unwrap()).unwrap();
+    std::fs::write(&file, blessed_text(&suite, &found).unwrap()).unwrap();
     let blessed = Suite::load(&file).unwrap().hold(found);
     let bounds = blessed.scenes[0].bounds.iter();
     let everything: Vec<&str> =
@@ -213,6 +214,6 @@ fn one_value_is_not_blessed() {
     let (_folder, file) = written(SUITE);
     let suite = Suite::load(&file).unwrap();
     let found = result(&suite, &[&[5.0], &[0.5, 1.0], &[0.25, 0.125], &[1.0, 3.0], &[2.0, 2.0]]);
-    let error = bless::text(&suite, &found).unwrap_err().to_string();
+    let error = blessed_text(&suite, &found).unwrap_err().to_string();
     assert!(error.contains("peak_force_n.trunk was measured in 1 of 4 reaches"), "{error}");
 }

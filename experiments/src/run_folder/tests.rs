@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use super::*;
-use crate::Experiment;
 use crate::progress::Silent;
 
 fn plan(seed: u64, quick: bool, experiment: &str) -> Plan {
