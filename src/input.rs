@@ -8,7 +8,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use underbrush_classifier::evaluate::touch_folds::ReadReaches;
 use underbrush_experiments::contact_trials;
 use underbrush_recording::disk::{
-    Dataset, file_blake3, is_folder, is_recording, is_there, read_recording, read_trials,
+    Dataset, file_blake3, is_folder, is_recording, is_there, read_recording, read_trials, recordings_in,
 };
 use underbrush_recording::{InputError, Recording, Trial};
 use underbrush_sim::controller::ControllerKind;
@@ -65,6 +65,16 @@ pub fn check_exists(path: &Path, allowed: &str) -> Result<(), Failure> {
     Err(InputError::new(path, "input", "no such file or folder", allowed, "check the path").into())
 }
 
+/// The same paths, but in place of a folder of recordings, as `import` writes it, the recordings in it.
+pub fn with_recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let mut all = Vec::new();
+    for path in paths {
+        let inside = recordings_in(path)?;
+        all.extend(if inside.is_empty() { vec![path.clone()] } else { inside });
+    }
+    Ok(all)
+}
+
 /// Reads the trials of a data set, a recording or a table.
 pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Failure> {
     check_exists(path, "a data set (folder), recording or table of trials")?;
@@ -93,7 +103,7 @@ pub struct Reaches {
 }
 
 /// What commands that need whole frames accept.
-const WITH_FRAMES: &str = "data sets (folders) or recordings (.parquet), which hold whole frames";
+const WITH_FRAMES: &str = "data sets or folders of recordings, or recordings (.parquet), which hold whole frames";
 
 impl Reaches {
     /// Finds the reaches of these files and folders.
@@ -101,7 +111,7 @@ impl Reaches {
     /// # Errors
     /// If one is neither a data set nor a recording, or is given twice, as a copy, too: a reach would be in training and test at once.
     pub fn open(paths: &[PathBuf]) -> Result<Self, Failure> {
-        let mut contents = BTreeSet::new();
+        let (paths, mut contents) = (with_recordings(paths)?, BTreeSet::new());
         let source = |path: &PathBuf| {
             check_exists(path, WITH_FRAMES)?;
             let dataset = if is_folder(path)? {

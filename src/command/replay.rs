@@ -39,7 +39,7 @@ the reaches. While a browser is being opened, other users of the machine can see
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ReplayOptions {
-    /// Data sets (folders), recordings and tables of contact trials (.csv or .parquet)
+    /// Data sets and folders of recordings, recordings and tables of contact trials (.csv or .parquet)
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
     /// Write the page and the reaches to this file (HTML) instead of serving them
@@ -83,11 +83,11 @@ pub fn run(options: ReplayOptions, json: bool) -> Result<(), Failure> {
         options.overwrite.file(out, options.inputs.iter().chain(&options.model))?;
     }
     for path in &options.inputs {
-        input::check_exists(path, "a data set (folder), recording or table of contact trials")?;
+        input::check_exists(path, "a data set or a folder of recordings, a recording or a table of contact trials")?;
     }
     options.picture.check(options.overwrite, &options.inputs)?;
     let judging = judging(&options)?;
-    let source = Source::open(&options.inputs, known(), judging)?;
+    let source = Source::open(&input::with_recordings(&options.inputs)?, known(), judging)?;
     if options.picture.run(&source, &options.reaches, json)? {
         return Ok(());
     }

@@ -169,6 +169,14 @@ fn touch_learns_from_a_labelled_log() {
         assert!(truth["right"].as_f64().unwrap() > 0.9, "{truth}");
     }
     assert_eq!(found["contacts_at_end"]["accuracy"], 1.0);
+    // The folder stands for its recordings.
+    let by_folder = folder.path().join("by-folder.json");
+    underbrush!["train", felt, "--classifier", "touch", "--out", by_folder].success();
+    let files = [&model, &by_folder].map(|file| std::fs::read(file).unwrap());
+    assert_eq!(files[0], files[1]);
+    assert_eq!(underbrush!["evaluate", felt, "--model", model, "--json"].json(), found);
+    let page = folder.path().join("felt.html");
+    assert_eq!(underbrush!["replay", felt, "--out", page, "--json"].json()["reaches"], 24);
 }
 
 /// Tests that an error in the mapping shows its line, and that a log that does not exist is named.

@@ -31,7 +31,9 @@ pub use dataset::{
 };
 pub use error::DiskError;
 pub use named_path::{check_free, check_not_input, is_folder, is_there};
-pub use recording_file::{is_recording, read_recording, recording_columns, recording_table, write_recording};
+pub use recording_file::{
+    is_recording, read_recording, recording_columns, recording_table, recordings_in, write_recording,
+};
 pub use table::batch::Batch;
 pub use table::column::{Column, Rows, Text, Values};
 pub use tables::dictionary::is_of_joints_or_taxels;

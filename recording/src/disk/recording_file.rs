@@ -1,9 +1,11 @@
 //! A single recording as a Parquet file with one row per frame. The rest is JSON in the metadata.
 
+use std::fs;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::check::{check_layout, check_recording};
+use super::named_path::{is_folder, is_there};
 use super::table::{Batch, ParquetFile, ParquetTable, ROWS_PER_BATCH};
 use super::tables::description::{about, about_entry};
 use super::tables::dictionary::{FRAMES, RECORDING_TRUTH, Table};
@@ -100,6 +102,25 @@ pub fn is_recording(path: &Path) -> Result<bool, DiskError> {
         Err(DiskError::Input(_)) => Ok(false),
         Err(error) => Err(error),
     }
+}
+
+/// The recordings in a folder that is no data set, by name; none for any other path.
+///
+/// # Errors
+/// [`DiskError::Io`] if the disk fails.
+pub fn recordings_in(folder: &Path) -> Result<Vec<PathBuf>, DiskError> {
+    if !is_folder(folder)? || is_there(&folder.join("meta"))? {
+        return Ok(Vec::new());
+    }
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).map_err(DiskError::io(folder, "read"))? {
+        let path = entry.map_err(DiskError::io(folder, "read"))?.path();
+        if is_recording(&path)? {
+            found.push(path);
+        }
+    }
+    found.sort();
+    Ok(found)
 }
 
 /// Reads a reach, equal to the one given to [`write_recording`].

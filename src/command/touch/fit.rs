@@ -48,7 +48,8 @@ pub fn train(
         Some(folder) => simulated.sets(paths, &folder.path().join(name)),
         None => Ok(paths.to_vec()),
     };
-    let (paths, auxiliary) = (&sets(paths, "known")?, &sets(auxiliary, "auxiliary")?);
+    let paths = &input::with_recordings(&sets(paths, "known")?)?;
+    let auxiliary = &input::with_recordings(&sets(auxiliary, "auxiliary")?)?;
     let all: Vec<PathBuf> = paths.iter().chain(auxiliary).cloned().collect();
     // The same set cannot be both, so all are opened together first.
     Reaches::open(&all)?;
