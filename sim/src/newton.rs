@@ -18,9 +18,8 @@ pub(crate) fn minimize<State, Step>(
     let mut state = start;
     for _ in 0..max_steps {
         let Some(step) = step(&state) else { break };
-        let trials = (0..=MAX_HALVINGS).map(|halvings| moved(&state, &step, 0.5_f64.powi(halvings)));
-        let accepted = trials.into_iter().find(|trial| is_lower(trial, &state));
-        let Some(next) = accepted else { break };
+        let mut trials = (0..=MAX_HALVINGS).map(|halvings| moved(&state, &step, 0.5_f64.powi(halvings)));
+        let Some(next) = trials.find(|trial| is_lower(trial, &state)) else { break };
         state = next;
     }
     state

@@ -146,10 +146,7 @@ impl SkinPatch {
         }
         let center = contacts.iter().map(|contact| contact.position_link * load(contact)).sum::<DVec3>() / weight;
         let (across, along) = inward.any_orthonormal_pair();
-        let view = View {
-            origin: shape_pose.inverse_transform_point(center),
-            axes: [across, along, inward].map(|axis| shape_pose.inverse_transform_vector(axis)),
-        };
+        let view = View::new(shape_pose, center, [across, along, inward]);
         let SpreadBuffers { faces, cells, near, taxels, .. } = &mut *buffers;
         let chords = Chords::new(shape, &view, faces);
         let under = self.nearby(contacts).filter(|(_, point)| is_pressed(point.normal_link, inward, total));
@@ -250,7 +247,12 @@ impl SkinPatch {
     fn nearby<'a>(&'a self, contacts: &'a [ContactPoint]) -> impl Iterator<Item = (usize, &'a SurfacePoint)> {
         let count = self.points_per_taxel();
         let taxels = self.sub_points.chunks_exact(count).zip(&self.centers_link).zip(&self.corners_m).enumerate();
-        let near = taxels.filter(|(_, ((_, center), corner_m))| near_contacts(**center, **corner_m, contacts));
+        let near = taxels.filter(|(_, ((_, center), corner_m))| {
+            contacts.iter().any(|contact| {
+                let limit_m = contact.radius_m + **corner_m + SEARCH_MARGIN_M;
+                center.distance_squared(contact.position_link) < limit_m * limit_m
+            })
+        });
         near.flat_map(move |(taxel, ((points, _), _))| (taxel * count..).zip(points))
     }
 
@@ -283,13 +285,6 @@ impl SkinPatch {
 /// not pull there.
 fn is_pressed(normal_link: DVec3, inward: DVec3, force_link: DVec3) -> bool {
     -normal_link.dot(inward) > FACING_COSINE && normal_link.dot(force_link) < 0.0
-}
-
-fn near_contacts(center: DVec3, corner_m: f64, contacts: &[ContactPoint]) -> bool {
-    contacts.iter().any(|contact| {
-        let limit_m = contact.radius_m + corner_m + SEARCH_MARGIN_M;
-        center.distance_squared(contact.position_link) < limit_m * limit_m
-    })
 }
 
 #[cfg(test)]

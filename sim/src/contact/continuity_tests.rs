@@ -97,9 +97,8 @@ fn follow(path: u64, counted: &mut Counted) {
         }
         let pair = pair_at(along_m);
         let known_or_nearest = known.or_else(|| {
-            let nearest = pair.nearest(0.005)?;
-            let origin_world = nearest.middle_world?;
-            Some(Known { origin_world, normal_world: nearest.normal_world, region: None })
+            let (normal_world, middle_world) = pair.nearest(0.005)?;
+            Some(Known { origin_world: middle_world?, normal_world, region: None })
         });
         let mut nodes = Vec::new();
         let found = known_or_nearest.and_then(|from| settle(&pair, &from, &mut faces, |_, _| 0.0, &mut nodes));

@@ -6,14 +6,11 @@
 mod block_matrix;
 pub mod chord;
 pub mod law;
-pub mod layer;
-pub mod nearest;
 pub mod outline;
 pub mod patch;
 pub mod plane;
 pub mod settle;
 pub mod solver;
-pub mod stop;
 pub mod surface;
 
 #[cfg(test)]

@@ -73,12 +73,6 @@ impl Default for Outline {
 }
 
 impl Outline {
-    /// The place of a strip along the first tangent, m.
-    fn along(&self, strip: usize) -> f64 {
-        let [lower, upper] = self.ends;
-        0.5 * (upper.x + lower.x) + 0.5 * (upper.x - lower.x) * STRIPS[strip].0
-    }
-
     /// The same region, seen from another origin of the plane.
     pub fn seen_from(&self, origin: DVec2) -> Self {
         Outline {
@@ -135,7 +129,7 @@ impl Columns<'_> {
             if follows_center {
                 before = central;
             }
-            let along = outline.along(index);
+            let along = 0.5 * (upper.x + lower.x) + 0.5 * (upper.x - lower.x) * STRIPS[index].0;
             // The line from the origin to an end lies within the region, because the region is convex.
             let end = if along > 0.0 { upper } else { lower };
             let on_line = end.y * along / end.x;

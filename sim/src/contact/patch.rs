@@ -52,16 +52,11 @@ impl<'a> Columns<'a> {
     /// Overwrites `faces`. `None` if a shape is not one of those that links and objects are made of.
     pub fn new(pair: &Pair, plane: &Plane, faces: &'a mut [Faces; 2]) -> Option<Self> {
         let [first, second] = plane.tangents_world;
-        let view = |side: usize| {
-            let pose = &pair.poses_world[side];
-            View {
-                origin: pose.inverse_transform_point(plane.origin_world),
-                axes: [first, second, plane.normal_world].map(|axis| pose.inverse_transform_vector(axis)),
-            }
-        };
+        let view = |pose| View::new(pose, plane.origin_world, [first, second, plane.normal_world]);
+        let [own, other] = pair.poses_world.each_ref().map(view);
         let [first, second] = faces;
         Some(Columns {
-            chords: [Chords::new(pair.shapes[0], &view(0), first)?, Chords::new(pair.shapes[1], &view(1), second)?],
+            chords: [Chords::new(pair.shapes[0], &own, first)?, Chords::new(pair.shapes[1], &other, second)?],
         })
     }
 

@@ -1,8 +1,13 @@
-//! Two shapes in contact, and the tangent plane on which their patch lies.
+//! Two shapes in contact, and the tangent plane on which their patch lies. Parry finds where they are nearest or begin
+//! to overlap: the first search for a contact.
 
 use glam::DVec3;
+use parry3d::query::details::contact_support_map_support_map_with_params;
+use parry3d::query::gjk::{GJKResult, VoronoiSimplex};
 use parry3d::shape::{Shape, TypedShape};
 use underbrush_recording::Pose;
+
+use crate::geometry::parry_pose;
 
 /// The share of the angle to the best direction by which strips turn in a step. Choice: ten steps turn them by two thirds.
 const TOWARDS_BEST: f64 = 0.1;
@@ -22,6 +27,11 @@ pub struct Plane {
 }
 
 impl Plane {
+    /// A vector of the plane with these components along its tangents, world frame.
+    pub fn vector_world(&self, x: f64, y: f64) -> DVec3 {
+        self.tangents_world[0] * x + self.tangents_world[1] * y
+    }
+
     /// The same plane, turned by the smallest angle to this unit normal.
     pub fn turned_to(&self, normal_world: DVec3) -> Self {
         let first = self.tangents_world[0].reject_from_normalized(normal_world).normalize();
@@ -79,6 +89,30 @@ impl Pair<'_> {
         let strip = strip_world.lerp(aim, TOWARDS_BEST);
         let second = strip.reject_from_normalized(normal_world).normalize_or(aim);
         Plane { tangents_world: [second.cross(normal_world), second], ..new }
+    }
+
+    /// Where the shapes are nearest or overlap: the unit direction from the second to the first in which they are apart,
+    /// or in which they overlap least, and the middle between the nearest or deepest points, m, both in the world frame.
+    /// Without the middle if they are more than `near_m` apart; `None` for shapes that are not convex.
+    pub fn nearest(&self, near_m: f64) -> Option<(DVec3, Option<DVec3>)> {
+        let [first, second] = self.poses_world.each_ref().map(parry_pose);
+        let (own, other) = (self.shapes[0].as_support_map()?, self.shapes[1].as_support_map()?);
+        let mut simplex = VoronoiSimplex::new();
+        let between = first.inv_mul(&second);
+        let found = contact_support_map_support_map_with_params(&between, own, other, near_m, &mut simplex, None);
+        let (outward, middle) = match found {
+            GJKResult::ClosestPoints(on_first, on_second, outward) => (outward, Some(0.5 * (on_first + on_second))),
+            GJKResult::NoIntersection(outward) => (outward, None),
+            GJKResult::Intersection | GJKResult::Proximity(_) => return None,
+        };
+        let pose_world = &self.poses_world[0];
+        Some((pose_world.transform_vector(-outward), middle.map(|middle| pose_world.transform_point(middle))))
+    }
+
+    /// The point of a shape that lies farthest along a direction, m, world frame.
+    pub fn farthest(&self, side: usize, direction_world: DVec3) -> Option<DVec3> {
+        let shape = self.shapes[side].as_support_map()?;
+        Some(shape.support_point(&parry_pose(&self.poses_world[side]), direction_world))
     }
 
     /// The longest edge of a box that lies in the tangent plane; for two boxes, the edge of the more slender one.

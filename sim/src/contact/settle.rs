@@ -3,7 +3,6 @@
 use glam::{DVec2, DVec3};
 
 use super::chord::Faces;
-use super::law::in_plane;
 use super::outline::{Outline, Region};
 use super::patch::{Columns, Node};
 use super::plane::{Pair, Plane};
@@ -52,7 +51,7 @@ pub fn settle(
             let reach_m = reach_m(pair, &plane);
             let longest = columns.common(reach_m).map(|(place, _)| place);
             let Some(place) = longest.or_else(|| columns.within(over_m, reach_m)) else { break };
-            plane.origin_world += in_plane(&plane.tangents_world, place.x, place.y);
+            plane.origin_world += plane.vector_world(place.x, place.y);
             outline = outline.seen_from(place);
             continue;
         };
@@ -71,7 +70,7 @@ pub fn settle(
         };
         let center = region.center();
         outline = region.outline.seen_from(center);
-        let origin_world = plane.origin_world + in_plane(&plane.tangents_world, center.x, center.y);
+        let origin_world = plane.origin_world + plane.vector_world(center.x, center.y);
         let is_settled = turn.length() < ALONG_NORMAL_RAD;
         let next = normal_world.try_normalize().map(|normal_world| plane.turned_to(normal_world));
         last = Some((region, plane, found_world, center));
@@ -87,7 +86,7 @@ pub fn settle(
     let turn = found_world - plane.normal_world;
     // Only half the turn: where the normal of the region depends on the direction of its columns, the whole turn may overshoot.
     let next = Known {
-        origin_world: plane.origin_world + in_plane(&plane.tangents_world, center.x, center.y),
+        origin_world: plane.origin_world + plane.vector_world(center.x, center.y),
         normal_world: (plane.normal_world + 0.5 * turn).normalize(),
         region: Some((region.outline.seen_from(center), plane.tangents_world[1])),
     };

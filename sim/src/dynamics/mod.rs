@@ -33,7 +33,6 @@ mod motion;
 mod spatial;
 #[cfg(test)]
 mod tests;
-mod theta;
 
 /// An end stop of a degree of freedom, on both sides.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,7 +46,7 @@ pub struct EndStop {
 }
 
 /// A degree of freedom: a displacement along or about an axis.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Coordinate {
     /// The link that it moves.
     pub link: usize,
@@ -74,18 +73,7 @@ pub struct Coordinate {
 impl Coordinate {
     /// At rest at 0, without an end stop, and yet of no link.
     pub fn new(Axis { direction, turns }: Axis, spring: Spring) -> Self {
-        Coordinate {
-            link: 0,
-            turns,
-            axis_joint: direction,
-            spring,
-            stop: None,
-            position: 0.0,
-            velocity: 0.0,
-            dashpot: 0.0,
-            before: None,
-            axis_world: direction,
-        }
+        Coordinate { turns, axis_joint: direction, axis_world: direction, spring, ..Coordinate::default() }
     }
 }
 
@@ -250,14 +238,8 @@ impl Tree {
         })
     }
 
-    /// Velocity of the point of a link at `point_world`, m/s, and angular velocity, rad/s, world frame, at the velocities
-    /// that `velocity` returns for the coordinates.
-    pub fn velocity_at(&self, link: usize, point_world: DVec3, velocity: impl Fn(usize) -> f64) -> [DVec3; 2] {
-        let [found] = self.velocities_at(link, point_world, |at| [velocity(at)]);
-        found
-    }
-
-    /// As [`Tree::velocity_at`], for several sets of velocities.
+    /// Velocity of the point of a link at `point_world`, m/s, and angular velocity, rad/s, world frame, at each of the
+    /// velocities that `velocities` returns for a coordinate.
     #[inline(always)]
     pub fn velocities_at<const N: usize>(
         &self,

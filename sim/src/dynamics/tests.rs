@@ -18,7 +18,7 @@ fn kinetic_energy_j(tree: &Tree) -> f64 {
     let links = (1..tree.links().len()).map(|index| {
         let link = &tree.links()[index];
         let center = tree.center_of_mass_world(index);
-        let [linear, angular] = tree.velocity_at(index, center, |at| tree.coordinates[at].velocity);
+        let [[linear, angular]] = tree.velocities_at(index, center, |at| [tree.coordinates[at].velocity]);
         let angular_link = link.pose_world.inverse_transform_vector(angular);
         link.mass_kg * linear.length_squared() + angular_link.dot(link.inertia_link * angular_link)
     });
@@ -157,7 +157,7 @@ fn free_body(weighs: bool) -> Tree {
 /// The angular momentum of a free body, N m s, world frame.
 fn angular_momentum(tree: &Tree) -> DVec3 {
     let link = &tree.links()[1];
-    let [_, angular] = tree.velocity_at(1, link.pose_world.position, |at| tree.coordinates[at].velocity);
+    let [[_, angular]] = tree.velocities_at(1, link.pose_world.position, |at| [tree.coordinates[at].velocity]);
     let angular_link = link.pose_world.inverse_transform_vector(angular);
     link.pose_world.transform_vector(link.inertia_link * angular_link)
 }

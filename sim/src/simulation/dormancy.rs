@@ -4,7 +4,7 @@ use rapier3d::parry::bounding_volume::BoundingVolume;
 use rapier3d::parry::query::distance;
 use rapier3d::prelude::ColliderHandle;
 
-use super::{Contact, DormancyBuffers, Mechanism, Model, Mover, World};
+use super::{Contact, DormancyBuffers, Model, Mover, World};
 use crate::geometry::parry_pose;
 
 /// A dormant object is put into the engine when a moving shape comes within this distance, m: the distance covered in a
@@ -69,8 +69,7 @@ impl World {
             let bounds = scene.shape(collider).compute_aabb(&parry_pose(&scene.collider_pose(collider)));
             Mover { collider, bounds: bounds.loosened(WAKE_M) }
         };
-        let moves = |mechanism: &&Mechanism| mechanism.is_movable(engine) && !mechanism.is_at_rest(engine);
-        let moving = self.mechanisms.iter().flatten().filter(moves);
+        let moving = self.mechanisms.iter().flatten().filter(|mechanism| !mechanism.is_at_rest(engine));
         let of_objects = moving.flat_map(|mechanism| scene.colliders_in(mechanism.slot));
         self.arm.colliders.iter().copied().chain(of_objects).map(mover)
     }

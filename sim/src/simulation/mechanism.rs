@@ -59,7 +59,7 @@ impl Mechanism {
         !engine.scene.tree(self.slot).coordinates.is_empty()
     }
 
-    /// Whether it stands as it was built and does not move, so that taking it out changes nothing.
+    /// Whether it stands as it was built and does not move, so that taking it out changes nothing. What cannot move always does.
     pub(super) fn is_at_rest(self, engine: &Engine) -> bool {
         engine.scene.tree(self.slot).coordinates.iter().all(|own| {
             let most = if own.spring.stiffness > 0.0 { REST_COORDINATE } else { FREE_REST_COORDINATE };

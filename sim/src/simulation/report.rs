@@ -100,15 +100,11 @@ pub struct TactileFrame {
 impl TactileFrame {
     /// The largest force between one link and one object; `None` if nothing touches the arm.
     pub fn largest_force(&self) -> Option<LinkForce> {
-        // Forces between the same two bodies add up, on the skin and beside it.
-        let between_the_same = |own: &ContactPair| {
-            let bodies = (own.link, own.object);
-            let pairs = self.pairs.iter();
-            pairs.filter(move |(pair, _)| (pair.link, pair.object) == bodies)
-        };
         let forces = self.pairs.iter().map(|(own, _)| {
             let (mut sum, mut patch, mut largest_part_n) = (DVec3::ZERO, None, 0.0);
-            for (pair, force) in between_the_same(own) {
+            // Forces between the same two bodies add up, on the skin and beside it.
+            let bodies = (own.link, own.object);
+            for (pair, force) in self.pairs.iter().filter(|(pair, _)| (pair.link, pair.object) == bodies) {
                 let part_n = force.length();
                 sum += *force;
                 if part_n > largest_part_n {

@@ -185,7 +185,7 @@ impl Rig {
     pub fn velocity_world(&self, body: BodyId) -> DVec3 {
         let PlacedLink { slot, link } = self.bodies[body.0];
         let tree = self.engine.scene.tree(slot);
-        tree.velocity_at(link, tree.center_of_mass_world(link), |at| tree.coordinates[at].velocity)[0]
+        tree.velocities_at(link, tree.center_of_mass_world(link), |at| [tree.coordinates[at].velocity])[0][0]
     }
 
     /// A body's centre of mass, m, world frame.

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::contact::layer::Layer;
+use crate::contact::surface::Layer;
 use crate::newton::minimize;
 
 /// One sub-point under a contact.

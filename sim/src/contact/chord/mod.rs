@@ -5,13 +5,13 @@
 
 use glam::{DVec2, DVec3};
 use parry3d::shape::{Shape, TypedShape};
+use underbrush_recording::Pose;
 
+use flat::Slabs;
 use round::{Capsule, Cylinder};
-use slabs::Slabs;
 
 mod flat;
 mod round;
-mod slabs;
 
 pub use flat::Faces;
 
@@ -28,6 +28,12 @@ pub struct View {
 }
 
 impl View {
+    /// A plane of the frame in which the shape has this pose.
+    pub fn new(pose: &Pose, origin: DVec3, axes: [DVec3; 3]) -> Self {
+        let axes = axes.map(|axis| pose.inverse_transform_vector(axis));
+        View { origin: pose.inverse_transform_point(origin), axes }
+    }
+
     /// Components of a vector along the plane's axes and the direction.
     fn components(&self, vector: DVec3) -> DVec3 {
         let [first, second, direction] = self.axes;

@@ -1,7 +1,7 @@
 //! The main loop of the solver: Newton steps for normal forces and friction together, or with fixed friction limits, until the
 //! residual is small.
 
-use super::{Block, Convergence, ROWS, Solver, split};
+use super::{Block, Convergence, ROWS, Solver, join};
 
 /// Iterations for normal impulses and friction together.
 const JOINT_ITERATIONS: usize = 20;
@@ -30,7 +30,7 @@ impl Solver {
         self.matrix.reset(self.blocks.iter().map(|block| block.size), shared);
         self.read_speeds(false);
         for patch in &mut self.patches {
-            patch.before = split(&patch.speeds).1;
+            patch.before = patch.speeds().1;
         }
         let mut convergence = self.solve_together();
         if convergence.residual > TOLERANCE {
@@ -150,15 +150,14 @@ impl Solver {
     fn evaluate(&mut self, hold_limits: bool) {
         self.impulse.fill(0.0);
         for patch in &mut self.patches {
-            let (normal_speeds, slip_speeds) = split(&patch.speeds);
+            let (normal_speeds, slip_speeds) = patch.speeds();
             let nodes = &self.nodes[patch.nodes.0..patch.nodes.1];
             patch.normal = patch.law.normal(nodes, &normal_speeds);
             if !hold_limits {
                 patch.limit = patch.law.interface.friction * patch.normal.impulse[0];
             }
             patch.friction = patch.law.friction(&patch.deflection, patch.limit, &patch.before, &slip_speeds);
-            let (normal, friction) = (&patch.normal.impulse, &patch.friction.impulse);
-            let impulse = [normal[0], normal[1], normal[2], friction[0], friction[1], friction[2]];
+            let impulse = join(patch.normal.impulse, patch.friction.impulse);
             for side in patch.sides.iter().flatten() {
                 let block = self.blocks[side.block];
                 let columns = &self.columns[side.columns..side.columns + block.size];

@@ -18,9 +18,8 @@
 use nalgebra::Vector3;
 
 use super::block_matrix::BlockMatrix;
-use super::law::{Law, NormalSpeeds, Response, SlipSpeeds};
+use super::law::{Law, NormalSpeeds, Response, SlipSpeeds, Stop};
 use super::patch::Node;
-use super::stop::Stop;
 
 mod iteration;
 mod newton_step;
@@ -50,7 +49,7 @@ struct Side {
 
 /// One patch in the solver.
 #[derive(Clone, Debug)]
-struct Patch {
+pub struct Patch {
     law: Law,
     nodes: (usize, usize),
     sides: [Option<Side>; 2],
@@ -59,27 +58,25 @@ struct Patch {
     before: SlipSpeeds,
     speeds: [f64; ROWS],
     change: [f64; ROWS],
-    /// The law at the present speeds.
-    normal: Response,
-    friction: Response,
+    /// The law at the present speeds: normal impulse on the first body and its moments about the tangents, N s and N m s.
+    pub normal: Response,
+    /// Friction impulse along the tangents, N s, and moment about the normal over r.
+    pub friction: Response,
     /// Largest friction impulse, N s, and the one that was held before.
     limit: f64,
     held: f64,
 }
 
-/// The outcome for one patch.
-#[derive(Clone, Copy, Debug)]
-pub struct Solved {
-    /// Normal impulse on the first body and its moments about the tangents, N s and N m s.
-    pub normal_impulse: Vector3<f64>,
-    /// Friction impulse along the tangents, N s, and moment about the normal over r.
-    pub friction_impulse: Vector3<f64>,
-    /// Parting speeds at the velocities u_θ.
-    pub normal_speeds: NormalSpeeds,
-    /// Slip at the velocities u_θ.
-    pub slip_speeds: SlipSpeeds,
+impl Patch {
+    /// Parting speeds and slip at the velocities u_θ.
+    pub fn speeds(&self) -> (NormalSpeeds, SlipSpeeds) {
+        split(&self.speeds)
+    }
+
     /// Elastic displacement at the end of the step, m.
-    pub deflection_m: Vector3<f64>,
+    pub fn deflection_after_m(&self) -> Vector3<f64> {
+        self.law.deflection_after(&self.deflection, &self.speeds().1)
+    }
 }
 
 /// How the solver converged.
@@ -101,7 +98,8 @@ pub struct Solver {
     /// For one side of a patch: its columns times the patch's stiffness, transposed and not, row by row.
     pushed: [Vec<f64>; 2],
     nodes: Vec<Node>,
-    patches: Vec<Patch>,
+    /// The patches, in the order in which they were added.
+    pub patches: Vec<Patch>,
     /// The end stops of joints.
     pub stops: Vec<Stop>,
     free: Vec<f64>,
@@ -191,23 +189,14 @@ impl Solver {
     pub fn offset(&self, block: usize) -> usize {
         self.blocks[block].offset
     }
-
-    /// The outcome for a patch.
-    pub fn solved(&self, patch: usize) -> Solved {
-        let patch = &self.patches[patch];
-        let (normal_speeds, slip_speeds) = split(&patch.speeds);
-        Solved {
-            normal_impulse: patch.normal.impulse,
-            friction_impulse: patch.friction.impulse,
-            normal_speeds,
-            slip_speeds,
-            deflection_m: patch.law.deflection_after(&patch.deflection, &slip_speeds),
-        }
-    }
 }
 
 /// The first three and the last three rows.
 fn split(values: &[f64; ROWS]) -> (Vector3<f64>, Vector3<f64>) {
     let [a, b, c, d, e, f] = *values;
     (Vector3::new(a, b, c), Vector3::new(d, e, f))
+}
+
+fn join(first: Vector3<f64>, second: Vector3<f64>) -> [f64; ROWS] {
+    [first[0], first[1], first[2], second[0], second[1], second[2]]
 }

@@ -1,9 +1,9 @@
 //! One step of Newton's method: the matrix, and how far to go.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 
-use super::{Patch, ROWS, Solver, split};
-use crate::contact::block_matrix::LANES;
+use super::{Patch, ROWS, Solver, join, split};
+use crate::contact::block_matrix::{LANES, dot};
 
 /// Trials of the line search.
 const MAX_SEARCH: usize = 20;
@@ -63,7 +63,6 @@ impl Solver {
     /// The share of the Newton step to take: 1, or less if the slope of the convex function changes its sign before
     /// that.
     pub(super) fn line_search(&self) -> f64 {
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let at_start = dot(&self.step, &self.residual);
         // The kinetic part of the slope is linear along the step.
         let kinetic = at_start + dot(&self.step, &self.impulse);
@@ -120,7 +119,7 @@ impl Solver {
             let step = &self.step[block.offset..block.offset + block.size];
             for row in 0..block.size {
                 let mass = &self.mass[block.mass + row * block.size..][..block.size];
-                sum += step[row] * mass.iter().zip(step).map(|(mass, step)| mass * step).sum::<f64>();
+                sum += step[row] * dot(mass, step);
             }
         }
         sum
@@ -170,8 +169,4 @@ impl Stiffness {
         let (first, second) = split(row);
         join(self.normal * first + self.coupling.tr_mul(&second), self.friction * second)
     }
-}
-
-fn join(first: Vector3<f64>, second: Vector3<f64>) -> [f64; ROWS] {
-    [first[0], first[1], first[2], second[0], second[1], second[2]]
 }

@@ -4,8 +4,8 @@
 
 use super::Scene;
 use super::candidate::Candidate;
+use crate::contact::law::Stop;
 use crate::contact::solver::Solver;
-use crate::contact::stop::Stop;
 use crate::dynamics::{Coordinate, EndStop, Tree};
 use crate::simulation::placed::PlacedLink;
 

@@ -7,7 +7,7 @@ use underbrush_recording::Pose as WorldPose;
 
 use super::{ContactStep, Kept, KeptPatch, PairKey, key};
 use crate::contact::chord::Faces;
-use crate::contact::law::{Law, NormalSpeeds, in_plane};
+use crate::contact::law::{Law, NormalSpeeds};
 use crate::contact::patch::Node;
 use crate::contact::plane::{Pair, Plane};
 use crate::contact::settle::{Known, settle};
@@ -83,12 +83,6 @@ impl<'a> Meeting<'a> {
         self.law.closing_m(free[0].dot(normal_world)) - ahead_m
     }
 
-    /// How far the surfaces have parted at the origin of a plane since the step began, m, and turned, rad: trees move ahead
-    /// before contacts are found.
-    fn parted_m(&self, plane: &Plane) -> NormalSpeeds {
-        self.speeds(plane, |tree, at| tree.ahead_s() * tree.coordinates[at].velocity)
-    }
-
     /// The parting speed at the origin of a plane and the angular velocities about its tangents.
     fn speeds(&self, plane: &Plane, velocity: impl Fn(&Tree, usize) -> f64) -> NormalSpeeds {
         let [[linear, angular]] = self.motions(plane.origin_world, |tree, at| [velocity(tree, at)]);
@@ -159,17 +153,17 @@ impl ContactStep {
                 apart_before = Some(normal_world);
             }
         }
-        let Some(nearest) = meeting.pair.nearest(meeting.near_m) else { return Found::Nothing };
+        let Some((nearest_world, middle_world)) = meeting.pair.nearest(meeting.near_m) else { return Found::Nothing };
         let sibling = self.sibling(&meeting.bodies).map(|kept| body_pose.transform_vector(kept.normal));
         let mut known = apart_before.into_iter().chain(sibling);
-        let flipped = known.find(|known| known.dot(nearest.normal_world) < FLIPPED_COSINE);
-        if flipped.is_none() && meeting.are_apart(nearest.normal_world) {
-            return Found::Apart(nearest.normal_world);
+        let flipped = known.find(|known| known.dot(nearest_world) < FLIPPED_COSINE);
+        if flipped.is_none() && meeting.are_apart(nearest_world) {
+            return Found::Apart(nearest_world);
         }
-        let Some(origin_world) = nearest.middle_world else { return Found::Nothing };
+        let Some(origin_world) = middle_world else { return Found::Nothing };
         let patch = kept.and_then(|kept| kept.patch.as_ref());
         let first_node = nodes.len();
-        for normal_world in flipped.into_iter().chain([nearest.normal_world]) {
+        for normal_world in flipped.into_iter().chain([nearest_world]) {
             let known = Known { origin_world, normal_world, region: None };
             if let Some(candidate) = meeting.candidate(&known, patch, nodes, faces) {
                 if flipped != Some(normal_world)
@@ -222,7 +216,9 @@ impl Meeting<'_> {
             },
             nodes,
         )?;
-        let parted_m = self.parted_m(&plane);
+        // How far the surfaces have parted since the step began, m, and turned, rad: trees move ahead before contacts
+        // are found.
+        let parted_m = self.speeds(&plane, |tree, at| tree.ahead_s() * tree.coordinates[at].velocity);
         for node in &mut nodes[first_node..] {
             node.overlap_m += node.parting(&parted_m);
         }
@@ -265,7 +261,7 @@ impl Candidate {
         let plane = &self.plane;
         let [first, second] = plane.tangents_world;
         let normal = plane.normal_world;
-        let to_center = in_plane(&plane.tangents_world, self.center.x, self.center.y);
+        let to_center = plane.vector_world(self.center.x, self.center.y);
         for (at, [linear, angular]) in tree.motions(link, plane.origin_world) {
             let Some(place) = places[at] else { continue };
             let at_center = linear + angular.cross(to_center);

@@ -9,7 +9,6 @@ use rapier3d::parry::shape::{Shape, TypedShape};
 
 use super::candidate::Meeting;
 use crate::contact::chord::Faces;
-use crate::contact::law::in_plane;
 use crate::contact::patch::Columns;
 use crate::contact::plane::{Pair, Plane};
 use crate::geometry::parry_pose;
@@ -48,7 +47,7 @@ impl Meeting<'_> {
         let (center_world, radius_m) = if first.1 < second.1 { first } else { second };
         let plane = self.pair.plane(center_world, normal_world);
         let (place, overlap_m) = Columns::new(&self.pair, &plane, faces)?.common(radius_m)?;
-        let origin_world = center_world + in_plane(&plane.tangents_world, place.x, place.y);
+        let origin_world = center_world + plane.vector_world(place.x, place.y);
         Some((Plane { origin_world, ..plane }, overlap_m))
     }
 
