@@ -77,8 +77,12 @@ impl Document {
         InputError::new(&self.path, field.into(), found.into(), allowed.into(), REMEDY)
     }
 
-    /// Refuses categories that a terminal would not show as they are.
+    /// Refuses categories that are out of order, and those that a terminal would not show as they are.
     pub(crate) fn check_names(&self, categories: &[String]) -> Result<(), InputError> {
+        if categories.is_empty() || !categories.is_sorted_by(|a, b| a < b) {
+            let found = categories.join(", ");
+            return Err(self.error("categories", found, "one or more names in alphabetical order, none twice"));
+        }
         match categories.iter().find(|name| !is_plain(name)) {
             Some(name) => Err(self.error("categories", format!("{name:?}"), PLAIN)),
             None => Ok(()),

@@ -123,7 +123,7 @@ impl Skin {
     /// Read the skin from an arm file, or from a skin file alone.
     #[staticmethod]
     fn load(path: PathBuf) -> Result<Self, Failure> {
-        Ok(Skin { layout: Arc::new(load_layout(path)?) })
+        Ok(Skin { layout: Arc::new(load_layout(&path)?) })
     }
 
     /// Names of the patches.

@@ -159,26 +159,6 @@ impl Convolutions {
         values
     }
 
-    /// The values of a trial after each of these numbers of samples; see
-    /// [`crate::stream_feature::Selection::after`].
-    pub(super) fn after(
-        &self,
-        features: FeatureSet,
-        trial: &Trial,
-        counts: &[usize],
-    ) -> Result<Vec<Vec<f64>>, FeatureError> {
-        let mut contact = Outputs::default();
-        let mut found = Vec::with_capacity(counts.len());
-        for &count in counts {
-            for sample in &trial.samples[contact.samples..count.clamp(contact.samples, trial.samples.len())] {
-                let taken = contact.samples;
-                self.push(features, &mut contact, sample).map_err(|fault| fault.at(trial, taken))?;
-            }
-            found.push(self.values(&contact));
-        }
-        Ok(found)
-    }
-
     /// The scaled features of a sample.
     fn input(&self, features: FeatureSet, sample: &Sample) -> Result<Vec<f64>, SampleFault> {
         let mut values = read(features, sample)?;
@@ -339,7 +319,11 @@ mod tests {
         for feature in 0..2 {
             assert!(convolutions.inputs.iter().any(|inputs| inputs[feature]));
         }
-        let shares = convolutions.after(features, &trial, &[300]).unwrap().remove(0);
+        let mut contact = Outputs::default();
+        for sample in &trial.samples {
+            convolutions.push(features, &mut contact, sample).unwrap();
+        }
+        let shares = convolutions.values(&contact);
         let mean = shares.iter().sum::<f64>() / shares.len() as f64;
         // Each share is uniform between 0 and 1 over the quantiles; 1008 of them, evenly spread.
         assert!((mean - 0.5).abs() < 0.01, "{mean}");

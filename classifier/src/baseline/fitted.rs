@@ -87,10 +87,7 @@ impl<B: Baseline> Estimator for B {
 
 fn load<B: Baseline>(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
     let Keys { categories, options, mut parameters } = document.read::<Keys<B, B::Parameters>>()?;
-    if categories.is_empty() || !categories.is_sorted_by(|a, b| a < b) {
-        let found = categories.join(", ");
-        return Err(document.error("categories", found, "one or more names in alphabetical order, none twice"));
-    }
+    document.check_names(&categories)?;
     options.check().map_err(|fault| document.fault(fault.within("options")))?;
     let checked = options.check_parameters(&mut parameters, categories.len());
     checked.map_err(|fault| document.fault(fault.within("parameters")))?;

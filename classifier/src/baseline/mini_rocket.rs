@@ -9,7 +9,7 @@ use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
 use super::ridge;
 use super::table::ages_of;
 use crate::error::{Fault, ModelError, check_limits};
-use crate::stream_feature::{SAMPLE_COUNTS, TAXEL_AND_REGION};
+use crate::stream_feature::{SAMPLE_COUNTS, TAXEL_AND_REGION, after};
 use crate::{ClassifierKind, FeatureSet, SampleFault};
 
 /// The entry in the list of classifiers.
@@ -104,7 +104,9 @@ impl Baseline for MiniRocket {
         let convolutions = Convolutions::fit(trials, self.features, self.thresholds)?;
         let weights = ridge::fit(trials, convolutions.dimension() + 1, self.penalty, |trial| {
             stop::check();
-            let mut rows = convolutions.after(self.features, trial, &ages_of(trial, &SAMPLE_COUNTS))?;
+            let push = |contact: &mut Outputs, sample: &Sample| convolutions.push(self.features, contact, sample);
+            let ages = ages_of(trial, &SAMPLE_COUNTS);
+            let mut rows = after(trial, &ages, push, |contact| convolutions.values(contact))?;
             rows.iter_mut().for_each(|row| row.push(1.0));
             Ok(rows)
         })?;

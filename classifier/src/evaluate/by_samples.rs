@@ -57,10 +57,8 @@ pub fn accuracy_by_samples(
     let limits: Vec<Option<usize>> = SAMPLE_COUNTS.into_iter().map(Some).chain([None]).collect();
     let outcome = across_folds(trials, estimator, folds, min_training_samples, |classifier, fold, tested| {
         let judge = Decision::argmax().prepare(&classifier.categories())?;
-        let longest = SAMPLE_COUNTS.into_iter().max().unwrap_or(1);
+        let counts: Vec<usize> = limits.iter().map(|limit| limit.unwrap_or(usize::MAX)).collect();
         let of_trial = |trial: &&Trial| {
-            let counts: Vec<usize> =
-                limits.iter().map(|limit| limit.unwrap_or(trial.samples.len().max(longest))).collect();
             let scores = classifier.scores_after(trial, &counts)?.into_iter();
             Ok(scores.map(|scores| Prediction::of(trial, fold, &judge, scores)).collect::<Vec<_>>())
         };

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::evaluation::Evaluation;
+use super::cross_validation::Evaluation;
 use super::prediction::is_foreign;
 use crate::decision::Judge;
 

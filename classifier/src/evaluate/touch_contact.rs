@@ -23,7 +23,7 @@ pub struct JudgedContact {
 }
 
 /// A contact of a taxel that has not ended.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct OpenContact {
     samples: usize,
     /// Number of samples in which each known category touched the taxel, and then in which anything else did.
@@ -39,12 +39,10 @@ pub(super) struct OpenContact {
 impl OpenContact {
     pub(super) fn new(categories: usize) -> Self {
         OpenContact {
-            samples: 0,
             votes: vec![0; categories + 1],
             evidence: vec![0.0; categories],
-            likeliest: 0,
-            after_tenth_second: 0,
             first_verdicts: vec![None; categories],
+            ..OpenContact::default()
         }
     }
 

@@ -4,7 +4,6 @@
 //! valid. [`train()`] fits models by Baum-Welch. A [`Scorer`] is a model prepared for scoring: it scores whole
 //! sequences, and a `FilterBank` follows streams sample by sample with the same code.
 
-mod bank;
 mod filter;
 mod gaussian;
 mod model;
@@ -14,7 +13,7 @@ mod tile;
 mod topology;
 mod train;
 
-pub(crate) use bank::FilterBank;
+pub(crate) use filter::FilterBank;
 pub use filter::{ScoreKind, Scorer};
 pub use model::{GaussianHmm, HmmParameters, ParameterError};
 pub use start::equal_slice_start;

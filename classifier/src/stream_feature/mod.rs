@@ -107,21 +107,35 @@ impl Selection {
     /// # Errors
     /// [`FeatureError`] if the trial is empty, lacks a feature, or holds NaN or infinity.
     pub fn after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, FeatureError> {
-        if trial.samples.is_empty() {
-            return Err(FeatureError::Empty { trial: trial.trial });
-        }
-        let mut state = StreamFeatures::default();
-        let mut found = Vec::with_capacity(counts.len());
-        let mut taken = 0;
-        for &count in counts {
-            for sample in &trial.samples[taken..count.clamp(taken, trial.samples.len())] {
-                self.push(&mut state, sample).map_err(|fault| fault.at(trial, taken))?;
-                taken += 1;
-            }
-            found.push(self.values(&state));
-        }
-        Ok(found)
+        after(trial, counts, |state: &mut StreamFeatures, sample| self.push(state, sample), |state| self.values(state))
     }
+}
+
+/// The values for a trial after each of some numbers of samples, as of [`Selection::after`]: those of a state that
+/// takes in the samples with `push`.
+///
+/// # Errors
+/// [`FeatureError`] if the trial is empty, or `push` refuses a sample.
+pub(crate) fn after<S: Default>(
+    trial: &Trial,
+    counts: &[usize],
+    push: impl Fn(&mut S, &Sample) -> Result<(), SampleFault>,
+    values: impl Fn(&S) -> Vec<f64>,
+) -> Result<Vec<Vec<f64>>, FeatureError> {
+    if trial.samples.is_empty() {
+        return Err(FeatureError::Empty { trial: trial.trial });
+    }
+    let mut state = S::default();
+    let mut found = Vec::with_capacity(counts.len());
+    let mut taken = 0;
+    for &count in counts {
+        for sample in &trial.samples[taken..count.clamp(taken, trial.samples.len())] {
+            push(&mut state, sample).map_err(|fault| fault.at(trial, taken))?;
+            taken += 1;
+        }
+        found.push(values(&state));
+    }
+    Ok(found)
 }
 
 #[cfg(test)]

@@ -31,13 +31,12 @@ impl TouchExamples {
         let trials = self.reaches.len();
         limit_wrong.map_or(Ok(()), |share| check_share(share, trials))?;
         if trials < FOLDS {
-            return Err(ModelError::Mismatch {
-                found: if trials == 1 { "1 reach to fit to".into() } else { "no reaches to fit to".into() },
-                allowed: format!(
-                    "{FOLDS} or more (of {FOLDS} reaches or more, each is held out once to calibrate probabilities); give a \
-                     data set, or several recordings"
-                ),
-            });
+            let found = if trials == 1 { "1 reach to fit to" } else { "no reaches to fit to" };
+            let allowed = format!(
+                "{FOLDS} or more (of {FOLDS} reaches or more, each is held out once to calibrate probabilities); give \
+                 a data set, or several recordings"
+            );
+            return Err(ModelError::mismatch(found, allowed));
         }
         let categories = self.categories();
         if categories.is_empty() {
@@ -45,13 +44,11 @@ impl TouchExamples {
         }
         let folds = self.folds();
         if !self.fill(&folds) {
-            return Err(ModelError::Mismatch {
-                found: format!("something of a known category touches the skin in one of {trials} recordings"),
-                allowed: format!(
-                    "{FOLDS} such recordings or more, because probabilities are calibrated on recordings that are held \
-                     out"
-                ),
-            });
+            let found = format!("something of a known category touches the skin in one of {trials} recordings");
+            let allowed = format!(
+                "{FOLDS} such recordings or more, because probabilities are calibrated on recordings that are held out"
+            );
+            return Err(ModelError::mismatch(found, allowed));
         }
         let held_out: Vec<_> = (0..FOLDS).into_par_iter().map(|fold| judged(self, &folds, fold, &categories)).collect();
         let taxels: Vec<&Judged> = held_out.iter().flat_map(|(taxels, _)| taxels).collect();

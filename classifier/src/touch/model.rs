@@ -137,10 +137,6 @@ impl TouchModel {
             return Err(InputError::new(&document.path, "format", format, TOUCH_FORMAT, remedy));
         }
         let model: TouchModel = document.read()?;
-        if model.categories.is_empty() || !model.categories.is_sorted_by(|a, b| a < b) {
-            let found = model.categories.join(", ");
-            return Err(document.error("categories", found, "one or more names in alphabetical order, none twice"));
-        }
         document.check_names(&model.categories)?;
         model.decision.check().map_err(|fault| document.fault(fault.within("decision")))?;
         check_limits("options.threshold_n", model.options.threshold_n, THRESHOLD_N)

@@ -11,7 +11,7 @@ use underbrush_recording::{BodyShape, InputError, PLAIN, is_plain, parse_toml, s
 use super::inertia::{self, Entries};
 use super::source::{Source, listed};
 use super::start::passing_links;
-use super::urdf::{Chain, ChainJoint, Said, read_chain};
+use super::urdf::{Chain, Said, read_chain};
 use super::{Arm, ArmSource, Joint, LinkCollider, limits, skin_file};
 use crate::geometry::MAX_CORNERS;
 use crate::range::Within;
@@ -231,7 +231,7 @@ fn read_inertia(source: &Source, tables: &[InertiaTable]) -> Result<BTreeMap<Str
 }
 
 /// Combines each moving joint of the URDF with its table in the TOML file.
-fn join_tables(source: &Source, chain: Vec<ChainJoint>, tables: &[JointTable]) -> Result<Vec<Joint>, InputError> {
+fn join_tables(source: &Source, chain: Vec<Joint>, tables: &[JointTable]) -> Result<Vec<Joint>, InputError> {
     for (number, JointTable { name, .. }) in tables.iter().enumerate() {
         let place = format!("joint[{number}].name");
         if !chain.iter().any(|joint| joint.name == *name) {
@@ -256,7 +256,7 @@ fn join_tables(source: &Source, chain: Vec<ChainJoint>, tables: &[JointTable]) -
         .collect()
 }
 
-fn join_table(source: &Source, joint: ChainJoint, number: usize, table: &JointTable) -> Result<Joint, InputError> {
+fn join_table(source: &Source, joint: Joint, number: usize, table: &JointTable) -> Result<Joint, InputError> {
     let place = |key: &str| format!("joint[{number}].{key}");
     // Errors name the joint, and not its place in the file.
     let named = |key: &str, error: InputError| InputError { field: format!("joint {}.{key}", joint.name), ..error };
@@ -284,18 +284,13 @@ fn join_table(source: &Source, joint: ChainJoint, number: usize, table: &JointTa
         return Err(fault("start_deg", short(table.start_deg), &allowed));
     }
     Ok(Joint {
-        name: joint.name,
-        origin_parent: joint.origin_parent,
-        axis_child: joint.axis_child,
-        limits_rad: joint.limits_rad,
-        torque_limit_nm: joint.torque_limit_nm,
-        slew_limit_rad_per_s: joint.velocity_limit_rad_per_s,
         stiffness_nm_per_rad: table.stiffness_nm_per_rad,
         damping_nm_s_per_rad: table.damping_nm_s_per_rad,
         armature_kg_m2: table.armature_kg_m2,
         model_stiffness_nm_per_rad: table.model_stiffness_nm_per_rad,
         controller_limits_rad: limits_rad,
         start_rad,
+        ..joint
     })
 }
 

@@ -121,7 +121,7 @@ impl LinkCollider {
 }
 
 /// One compliant revolute joint: torque = K (φ − q) − D q̇ about its axis, with the equilibrium angle φ.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Joint {
     /// Name.
     pub name: String,
@@ -255,12 +255,7 @@ impl Arm {
 ///
 /// # Errors
 /// As for [`Arm::load`]. A skin file alone is checked only in itself, not against an arm.
-pub fn load_layout(path: impl AsRef<Path>) -> Result<SkinLayout, InputError> {
-    layout_of(path.as_ref())
-}
-
-// Not generic, so that it is compiled once and not for each type of path.
-fn layout_of(path: &Path) -> Result<SkinLayout, InputError> {
+pub fn load_layout(path: &Path) -> Result<SkinLayout, InputError> {
     let source = source::Source { path: path.to_path_buf(), text: source::read_from_disk(path)? };
     match names_urdf(&source.text) {
         true => Ok(Arm::load(path)?.skin.layout),

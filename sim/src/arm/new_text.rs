@@ -5,10 +5,11 @@ use std::path::Path;
 
 use underbrush_recording::limits::short;
 
+use super::Joint;
 use super::inertia::Entries;
 use super::source::significant;
 use super::start::Room;
-use super::urdf::{ChainJoint, Joint, child};
+use super::urdf::{self, child};
 
 /// Stiffest joint, Nm/rad. Choice: the Panda in docs/arms.md has 40, Cody 50; an arm that pushes through foliage is soft.
 const MAX_STIFFNESS_NM_PER_RAD: f64 = 40.0;
@@ -26,16 +27,16 @@ pub(super) const RULES: &str = "\
 # - the controller's model has the true stiffness.
 ";
 
-fn half_range_rad(joint: &ChainJoint) -> f64 {
+fn half_range_rad(joint: &Joint) -> f64 {
     (joint.limits_rad[1] - joint.limits_rad[0]) / 2.0
 }
 
-pub(super) fn stiffness_nm_per_rad(joint: &ChainJoint) -> f64 {
+pub(super) fn stiffness_nm_per_rad(joint: &Joint) -> f64 {
     let strong = joint.torque_limit_nm / half_range_rad(joint).min(FRAC_PI_2);
     significant(strong.min(MAX_STIFFNESS_NM_PER_RAD), 2)
 }
 
-pub(super) fn controller_limits_deg(joint: &ChainJoint) -> [f64; 2] {
+pub(super) fn controller_limits_deg(joint: &Joint) -> [f64; 2] {
     if !joint.limits_rad[0].is_finite() {
         return [-PI, PI].map(f64::to_degrees);
     }
@@ -45,12 +46,7 @@ pub(super) fn controller_limits_deg(joint: &ChainJoint) -> [f64; 2] {
     [((low + margin_deg) * 100.0).ceil() / 100.0, ((high - margin_deg) * 100.0).floor() / 100.0]
 }
 
-pub(super) fn joint_table(
-    joint: &ChainJoint,
-    [low, high]: &[f64; 2],
-    start: f64,
-    [stiffness, damping]: [f64; 2],
-) -> String {
+pub(super) fn joint_table(joint: &Joint, [low, high]: &[f64; 2], start: f64, [stiffness, damping]: [f64; 2]) -> String {
     let range = match joint.limits_rad[0].is_finite() {
         true => format!("{:.0} deg of range", 2.0 * half_range_rad(joint).to_degrees()),
         false => "no limits".to_owned(),
@@ -64,8 +60,8 @@ pub(super) fn joint_table(
     )
 }
 
-pub(super) fn held_tables(held: &[(Joint, f64)]) -> String {
-    let table = |(joint, place): &(Joint, f64)| {
+pub(super) fn held_tables(held: &[(urdf::Joint, f64)]) -> String {
+    let table = |(joint, place): &(urdf::Joint, f64)| {
         let (key, place) =
             if joint.kind == "prismatic" { ("displacement_m", *place) } else { ("angle_deg", place.to_degrees()) };
         let mimic = if child(joint.element, "mimic").is_some() { ", as its mimic rule says" } else { "" };

@@ -16,8 +16,8 @@ use super::{Link, LinkCollider};
 pub(super) struct Chain {
     /// Links from the base on.
     pub(super) links: Vec<Link>,
-    /// Joints from the base on; joint j carries link j + 1.
-    pub(super) joints: Vec<ChainJoint>,
+    /// Joints from the base on, without what only an arm file says; joint j carries link j + 1.
+    pub(super) joints: Vec<super::Joint>,
     /// For every URDF link of the chain, the index of the link it was merged into and its pose in that link's frame.
     pub(super) frames: BTreeMap<String, (usize, Pose)>,
     /// The joints that are held, each with whether it turns; otherwise it slides.
@@ -43,16 +43,6 @@ impl Chain {
             source.fault_at(field, name, format!("a link of the chain: {}", names.join(", ")))
         })
     }
-}
-
-/// A joint as described by a URDF.
-pub(super) struct ChainJoint {
-    pub(super) name: String,
-    pub(super) origin_parent: Pose,
-    pub(super) axis_child: DVec3,
-    pub(super) limits_rad: [f64; 2],
-    pub(super) torque_limit_nm: f64,
-    pub(super) velocity_limit_rad_per_s: f64,
 }
 
 const NO_LOOP: &str = "each link once, from the base to the end effector";
@@ -264,7 +254,7 @@ impl<'a> Reader<'a> {
         .collect()
     }
 
-    fn joint(&self, joint: &Joint, origin_parent: Pose) -> Result<ChainJoint, InputError> {
+    fn joint(&self, joint: &Joint, origin_parent: Pose) -> Result<super::Joint, InputError> {
         let fault = |key: &str, found: &str, allowed: &str| self.elements.fault(joint.element, key, found, allowed);
         let limit = child(joint.element, "limit");
         let [lower, upper, effort, velocity] = ["lower", "upper", "effort", "velocity"].map(|key| number(limit, key));
@@ -296,13 +286,14 @@ impl<'a> Reader<'a> {
             let found = format!("{} to {}", limits_rad[0], limits_rad[1]);
             return Err(fault("limit", &found, "lower below upper, rad"));
         }
-        Ok(ChainJoint {
+        Ok(super::Joint {
             name: joint.name.to_owned(),
             origin_parent,
             axis_child: self.axis(joint)?,
             limits_rad,
             torque_limit_nm: effort,
-            velocity_limit_rad_per_s: velocity,
+            slew_limit_rad_per_s: velocity,
+            ..super::Joint::default()
         })
     }
 

@@ -9,7 +9,7 @@ use underbrush_recording::Fault;
 use super::{Controller, Mapped, ModelPredictive, Preset};
 use crate::arm::Arm;
 
-/// A controller that ships.
+/// A controller that ships; by default the one with the parameters of the authors' robot with its flipper.
 ///
 /// ```
 /// use underbrush_sim::controller::ControllerKind;
@@ -20,10 +20,11 @@ use crate::arm::Arm;
 /// assert!(ControllerKind::from_name("cody").unwrap_err().to_string().contains("cody-2013"));
 /// # Ok::<(), underbrush_sim::controller::UnknownController>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(try_from = "String")]
 pub enum ControllerKind {
     /// The model-predictive controller with the parameters of [`Preset::cody_2013`].
+    #[default]
     Cody2013,
     /// The model-predictive controller with the parameters of [`Preset::ijrr_foliage`].
     IjrrFoliage,

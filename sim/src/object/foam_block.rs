@@ -57,24 +57,14 @@ const DENSITY_KG_PER_M3: f64 = 25.0;
 /// Water in a soaked block, kg/m³. Choice: floral foam is nearly all pores, and makers state that a brick of two litres takes
 /// up nearly two litres. It counts only for a block that stands free, which carries its water along.
 const WATER_KG_PER_M3: f64 = 900.0;
-/// Share of the stiffness that relaxes, and the relaxation time, s. Choices: dry phenolic foam is a brittle solid and
-/// creeps little; in soaked foam water must flow, which takes some seconds over a hand's breadth.
-const RELAXING_SHARE: Kinds = Kinds { dry: 0.05, wet: 0.3 };
-const RELAXATION_TIME_S: Kinds = Kinds { dry: 1.0, wet: 2.0 };
-/// Damping ratio of the top on its spring: half the loss factor, about 0.2 for rigid foam. Choice: more in wet foam,
-/// which moves water.
-const DAMPING_RATIO: Kinds = Kinds { dry: 0.1, wet: 0.3 };
-
-struct Kinds {
-    dry: f64,
-    wet: f64,
-}
-
-impl Kinds {
-    fn of(&self, block: &FoamBlock) -> f64 {
-        if block.wet { self.wet } else { self.dry }
-    }
-}
+/// Share of the stiffness that relaxes, and the relaxation time, s, each of dry and of wet foam. Choices: dry phenolic
+/// foam is a brittle solid and creeps little; in soaked foam water must flow, which takes some seconds over a hand's
+/// breadth.
+const RELAXING_SHARE: [f64; 2] = [0.05, 0.3];
+const RELAXATION_TIME_S: [f64; 2] = [1.0, 2.0];
+/// Damping ratio of the top on its spring, of dry and of wet foam: half the loss factor, about 0.2 for rigid foam.
+/// Choice: more in wet foam, which moves water.
+const DAMPING_RATIO: [f64; 2] = [0.1, 0.3];
 
 /// One foam block: a bar under axial pressure, whose top sinks as a whole on a standard linear solid of stiffness E A /
 /// H. The feet of leaves do not move with it; their roots have the stiffness of the foam.
@@ -105,6 +95,22 @@ pub struct FoamBlock {
 }
 
 impl FoamBlock {
+    /// What is recorded of it.
+    pub(in crate::object) fn values(&self) -> Parameters {
+        let mut parameters = Parameters::from([
+            ("length_m", LENGTH_M),
+            ("width_m", WIDTH_M),
+            ("height_m", self.height_m),
+            ("wet", f64::from(u8::from(self.wet))),
+            ("modulus_pa", self.modulus_pa),
+            ("density_kg_per_m3", DENSITY_KG_PER_M3),
+            ("relaxing_share", self.own(RELAXING_SHARE)),
+            ("relaxation_time_s", self.own(RELAXATION_TIME_S)),
+        ]);
+        parameters.extend(self.stands_free.then(|| ("mass_kg", self.mass_kg())));
+        parameters
+    }
+
     /// Instantaneous stiffness of the top against being pressed in, N/m: E A / H of an axially loaded bar.
     pub fn stiffness_n_per_m(&self) -> f64 {
         self.modulus_pa * LENGTH_M * WIDTH_M / self.height_m
@@ -114,6 +120,11 @@ impl FoamBlock {
     /// weight of a uniform bar does.
     pub fn moving_mass_kg(&self) -> f64 {
         0.5 * DENSITY_KG_PER_M3 * LENGTH_M * WIDTH_M * self.height_m
+    }
+
+    /// The one of two constants of dry and of wet foam that is its own.
+    fn own(&self, [dry, wet]: [f64; 2]) -> f64 {
+        if self.wet { wet } else { dry }
     }
 
     /// Mass with the water in it, kg.
@@ -132,25 +143,11 @@ impl Object for FoamBlock {
         self.height_m
     }
 
-    fn parameters(&self) -> Parameters {
-        let mut parameters = Parameters::from([
-            ("length_m", LENGTH_M),
-            ("width_m", WIDTH_M),
-            ("height_m", self.height_m),
-            ("wet", f64::from(u8::from(self.wet))),
-            ("modulus_pa", self.modulus_pa),
-            ("density_kg_per_m3", DENSITY_KG_PER_M3),
-            ("relaxing_share", RELAXING_SHARE.of(self)),
-            ("relaxation_time_s", RELAXATION_TIME_S.of(self)),
-        ]);
-        parameters.extend(self.stands_free.then(|| ("mass_kg", self.mass_kg())));
-        parameters
-    }
-
     fn structure(&self, gravity_m_per_s2: f64) -> Structure {
         let size_m = DVec3::new(LENGTH_M, WIDTH_M, self.height_m);
         let center = DVec3::Z * (self.height_m / 2.0);
-        let [damping_ratio, share, time_s] = [DAMPING_RATIO, RELAXING_SHARE, RELAXATION_TIME_S].map(|own| own.of(self));
+        let [damping_ratio, share, time_s] =
+            [DAMPING_RATIO, RELAXING_SHARE, RELAXATION_TIME_S].map(|own| self.own(own));
         if self.stands_free {
             // It sinks into its own foam: m g / (E A / H).
             let sag_m = self.mass_kg() * gravity_m_per_s2 / self.stiffness_n_per_m();

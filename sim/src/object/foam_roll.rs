@@ -7,7 +7,7 @@ use underbrush_recording::{BodyShape, Category};
 
 use super::{
     Axis, Body, CollisionGroup, Declared, Drawing, EARTH_GRAVITY_M_PER_S2, Footing, Inertia, Joint, Kind, Object,
-    Parameters, Spring, Structure, foam_surface, part, quantities,
+    Spring, Structure, foam_surface, part, quantities,
 };
 use crate::{Draw, DrawError, Footprint};
 
@@ -111,10 +111,6 @@ impl Object for FoamRoll {
 
     fn height_m(&self) -> f64 {
         self.height_m
-    }
-
-    fn parameters(&self) -> Parameters {
-        self.values()
     }
 
     fn structure(&self, _: f64) -> Structure {

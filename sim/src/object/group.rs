@@ -310,7 +310,7 @@ macro_rules! quantities {
 
             /// The values by name.
             #[allow(dead_code, reason = "not all kinds record just what is drawn")]
-            fn values(&self) -> $crate::object::Parameters {
+            pub(in crate::object) fn values(&self) -> $crate::object::Parameters {
                 [$((stringify!($name), self.$name)),+].into()
             }
         }

@@ -146,6 +146,23 @@ const STEM_RIGIDITY_OVER_BLADE: f64 = 4.0;
 const LARGEST_LOAD_SHARE: f64 = 0.4;
 
 impl Leaf {
+    /// What is recorded of it.
+    pub(in crate::object) fn values(&self) -> Parameters {
+        let parameters = [
+            ("height_m", Some(self.height_m)),
+            ("width_m", Some(self.width_m)),
+            ("flexural_rigidity_n_m2", Some(self.flexural_rigidity_n_m2)),
+            ("torsion_over_bending", Some(self.torsion_over_bending)),
+            ("mass_per_area_kg_per_m2", Some(self.mass_per_area_kg_per_m2)),
+            ("loss_factor", Some(self.loss_factor)),
+            ("segments", Some(f64::from(self.segments))),
+            ("yield_moment_nm", self.yield_moment_nm),
+            ("root_stiffness_nm_per_rad", self.root_stiffness_nm_per_rad),
+            ("pull_out_force_n", self.grip.map(|grip| grip.force_n)),
+        ];
+        parameters.into_iter().filter_map(|(name, value)| Some((name, value?))).collect()
+    }
+
     /// The blade.
     pub fn blade(&self) -> Blade {
         Blade {
@@ -196,22 +213,6 @@ impl Object for Leaf {
 
     fn height_m(&self) -> f64 {
         self.height_m
-    }
-
-    fn parameters(&self) -> Parameters {
-        let parameters = [
-            ("height_m", Some(self.height_m)),
-            ("width_m", Some(self.width_m)),
-            ("flexural_rigidity_n_m2", Some(self.flexural_rigidity_n_m2)),
-            ("torsion_over_bending", Some(self.torsion_over_bending)),
-            ("mass_per_area_kg_per_m2", Some(self.mass_per_area_kg_per_m2)),
-            ("loss_factor", Some(self.loss_factor)),
-            ("segments", Some(f64::from(self.segments))),
-            ("yield_moment_nm", self.yield_moment_nm),
-            ("root_stiffness_nm_per_rad", self.root_stiffness_nm_per_rad),
-            ("pull_out_force_n", self.grip.map(|grip| grip.force_n)),
-        ];
-        parameters.into_iter().filter_map(|(name, value)| Some((name, value?))).collect()
     }
 
     fn structure(&self, _: f64) -> Structure {

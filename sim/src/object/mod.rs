@@ -74,6 +74,10 @@ macro_rules! declare {
             fn kind(&self) -> &'static str {
                 stringify!($key)
             }
+
+            fn parameters(&self) -> Parameters {
+                self.values()
+            }
         })*
     };
 }
@@ -83,6 +87,8 @@ for_each_object_kind!(declare);
 pub trait Listed {
     /// Its key in the scene file.
     fn kind(&self) -> &'static str;
+    /// Its parameters: the quantities that were drawn, or what its kind records instead.
+    fn parameters(&self) -> Parameters;
 }
 
 /// What an object must stand on.
@@ -131,8 +137,6 @@ pub trait Object: Listed + std::fmt::Debug + Send + Sync {
     }
     /// Its height over its foot, m.
     fn height_m(&self) -> f64;
-    /// Its drawn parameters.
-    fn parameters(&self) -> Parameters;
     /// Its bodies, joints and springs at rest under this gravity, m/s².
     fn structure(&self, gravity_m_per_s2: f64) -> Structure;
     /// The body of its structure that carries what stands on it, if it can move away with it.

@@ -132,6 +132,14 @@ impl Kind for Plant {
 }
 
 impl Plant {
+    /// What is recorded of it.
+    pub(in crate::object) fn values(&self) -> Parameters {
+        let mut parameters = self.drawn.values();
+        let root = self.root_stiffness_nm_per_rad;
+        parameters.extend(root.map(|stiffness| ("root_stiffness_nm_per_rad", stiffness)));
+        parameters
+    }
+
     /// A blade with its petiole as its lowest part.
     fn blade(&self) -> Blade {
         let drawn = &self.drawn;
@@ -306,13 +314,6 @@ impl Object for Plant {
 
     fn height_m(&self) -> f64 {
         self.drawn.height_m.max(self.extent.highest_m)
-    }
-
-    fn parameters(&self) -> Parameters {
-        let mut parameters = self.drawn.values();
-        let root = self.root_stiffness_nm_per_rad;
-        parameters.extend(root.map(|stiffness| ("root_stiffness_nm_per_rad", stiffness)));
-        parameters
     }
 
     fn structure(&self, gravity_m_per_s2: f64) -> Structure {

@@ -103,8 +103,8 @@ impl Structure {
     }
 }
 
-/// One rigid body.
-#[derive(Clone, Debug, PartialEq)]
+/// One rigid body; by default the foot that carries everything else.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Body {
     /// The joint that carries it. Without one the body is fixed to the ground, and its frame is the object's frame.
     pub joint: Option<Joint>,
@@ -264,18 +264,16 @@ impl Inertia {
     /// A uniform upright cylinder centred on the body's origin: (m/12) (3 r² + h²) across, m r² / 2 about its axis.
     pub fn of_cylinder(mass_kg: f64, radius_m: f64, height_m: f64) -> Self {
         let across = mass_kg * (3.0 * radius_m * radius_m + height_m * height_m) / 12.0;
-        Inertia {
-            mass_kg,
-            center_of_mass_body: DVec3::ZERO,
-            principal_kg_m2: DVec3::new(across, across, mass_kg * radius_m * radius_m / 2.0),
-        }
+        let principal_kg_m2 = DVec3::new(across, across, mass_kg * radius_m * radius_m / 2.0);
+        Inertia { mass_kg, center_of_mass_body: DVec3::ZERO, principal_kg_m2 }
     }
 }
 
 /// What the shapes of a body collide with. All of them collide with the arm.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CollisionGroup {
     /// Fixed objects such as trunks: they collide with what bends, but not with each other and not with foam.
+    #[default]
     Fixed,
     /// Fixed blocks of foam: as [`CollisionGroup::Fixed`], but roots pass through the blocks that they stand in.
     Foam,
@@ -291,13 +289,7 @@ pub enum CollisionGroup {
 impl Body {
     /// The foot that carries everything else: fixed to the ground, without shapes.
     pub fn foot() -> Self {
-        Body {
-            joint: None,
-            inertia: Inertia::default(),
-            parts: Vec::new(),
-            drag: None,
-            collision_group: CollisionGroup::Fixed,
-        }
+        Body::default()
     }
 
     /// A massless body without shapes, the link between two stacked hinges.

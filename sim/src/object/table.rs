@@ -4,7 +4,7 @@
 use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
-use super::{Body, Declared, Drawing, Footing, Kind, Object, Parameters, Structure, TABLE_FRICTION, part, quantities};
+use super::{Body, Declared, Drawing, Footing, Kind, Object, Structure, TABLE_FRICTION, part, quantities};
 use crate::{Draw, DrawError, Footprint, Surface};
 
 /// Thickness of the top, m. Choice: thicker than any overlap, so that nothing comes out below.
@@ -44,10 +44,6 @@ impl Object for Table {
 
     fn height_m(&self) -> f64 {
         0.0
-    }
-
-    fn parameters(&self) -> Parameters {
-        self.values()
     }
 
     fn structure(&self, _: f64) -> Structure {

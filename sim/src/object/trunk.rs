@@ -3,7 +3,7 @@
 use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
-use super::{Body, Declared, Drawing, FRICTION, Footing, Kind, Object, Parameters, Structure, part, quantities};
+use super::{Body, Declared, Drawing, FRICTION, Footing, Kind, Object, Structure, part, quantities};
 use crate::{Draw, DrawError, Footprint, Surface};
 
 quantities! {
@@ -48,10 +48,6 @@ impl Object for Trunk {
 
     fn height_m(&self) -> f64 {
         self.height_m
-    }
-
-    fn parameters(&self) -> Parameters {
-        self.values()
     }
 
     fn structure(&self, _: f64) -> Structure {

@@ -6,8 +6,7 @@ use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
 use super::{
-    Body, CollisionGroup, Declared, Drawing, Footing, Inertia, Joint, Kind, Object, Parameters, Structure, part,
-    quantities,
+    Body, CollisionGroup, Declared, Drawing, Footing, Inertia, Joint, Kind, Object, Structure, part, quantities,
 };
 use crate::{Draw, DrawError, Footprint, Surface};
 
@@ -99,14 +98,11 @@ impl WaterBottle {
         let shift = |mass_kg: f64, center_m: f64| {
             mass_kg * (center_m - self.center_of_mass_m()).powi(2) * DVec3::new(1.0, 1.0, 0.0)
         };
-        Inertia {
-            mass_kg: self.mass_kg(),
-            center_of_mass_body: DVec3::ZERO,
-            principal_kg_m2: wall
-                + water.principal_kg_m2
-                + shift(self.empty_mass_kg, height / 2.0)
-                + shift(self.water_mass_kg, self.water_level_m() / 2.0),
-        }
+        let principal_kg_m2 = wall
+            + water.principal_kg_m2
+            + shift(self.empty_mass_kg, height / 2.0)
+            + shift(self.water_mass_kg, self.water_level_m() / 2.0);
+        Inertia { mass_kg: self.mass_kg(), center_of_mass_body: DVec3::ZERO, principal_kg_m2 }
     }
 }
 
@@ -122,10 +118,6 @@ impl Object for WaterBottle {
 
     fn height_m(&self) -> f64 {
         self.height_m
-    }
-
-    fn parameters(&self) -> Parameters {
-        self.values()
     }
 
     fn structure(&self, _: f64) -> Structure {

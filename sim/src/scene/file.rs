@@ -25,7 +25,7 @@ pub struct SceneFile {
     #[serde(default = "default_arm")]
     pub arm: String,
     /// The arm's controller.
-    #[serde(default = "default_controller")]
+    #[serde(default)]
     pub controller: ControllerKind,
     /// Changes to the arm and its controller.
     #[serde(default)]
@@ -67,11 +67,6 @@ pub struct SceneFile {
 
 fn default_arm() -> String {
     "cody".into()
-}
-
-/// The parameters of the authors' robot with its flipper.
-fn default_controller() -> ControllerKind {
-    ControllerKind::Cody2013
 }
 
 options! {

@@ -144,15 +144,7 @@ impl Stream {
         truth: StreamTruth,
         last: &mut BTreeMap<(usize, usize), Last>,
     ) {
-        let mut frame = StreamFrame {
-            time_s,
-            in_contact: judged.len(),
-            tally: Tally::default(),
-            by_verdict: vec![0; self.verdicts.len()],
-            touched: self.truths.iter().map(|truth| pressing.values().any(|own| own == truth)).collect(),
-            mean_samples_used: 0.0,
-            mean_samples_since_contact: 0.0,
-        };
+        let (mut tally, mut by_verdict) = (Tally::default(), vec![0; self.verdicts.len()]);
         let (mut used, mut since_contact) = (0, 0);
         for taxel in judged {
             let last = last.entry(taxel.place).or_default();
@@ -168,18 +160,24 @@ impl Stream {
                 last.contact = None;
             }
             self.follow(&mut last.contact, truth, taxel);
-            frame.tally.count(truth, taxel.verdict, self.categories(), 1);
+            tally.count(truth, taxel.verdict, self.categories(), 1);
             used += last.samples_used;
             since_contact += taxel.samples;
             let row = truth.and_then(|truth| self.truths.iter().position(|category| *category == truth));
             let row = row.unwrap_or(self.truths.len());
-            frame.by_verdict[taxel.verdict] += 1;
+            by_verdict[taxel.verdict] += 1;
             self.taxel_frames[row][taxel.verdict] += 1;
         }
-        let taxels = frame.in_contact.max(1) as f64;
-        frame.mean_samples_used = used as f64 / taxels;
-        frame.mean_samples_since_contact = since_contact as f64 / taxels;
-        self.frames.push(frame);
+        let taxels = judged.len().max(1) as f64;
+        self.frames.push(StreamFrame {
+            time_s,
+            in_contact: judged.len(),
+            tally,
+            by_verdict,
+            touched: self.truths.iter().map(|truth| pressing.values().any(|own| own == truth)).collect(),
+            mean_samples_used: used as f64 / taxels,
+            mean_samples_since_contact: since_contact as f64 / taxels,
+        });
     }
 
     /// Counts a sample of a contact; `place` is the index of the contact in [`Stream::contacts`], once it has a truth.

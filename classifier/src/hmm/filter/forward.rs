@@ -88,7 +88,7 @@ fn split(number: f64) -> (f64, f64) {
 
 /// Forward weights of four streams.
 #[derive(Clone, Debug)]
-pub(in crate::hmm) struct Forward {
+pub(super) struct Forward {
     /// Mantissas and exponents of the weights, one tile for each of the N states and the padding.
     mantissa: Vec<Tile>,
     exponent: Vec<Tile>,

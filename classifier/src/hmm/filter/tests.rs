@@ -3,7 +3,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::hmm::{FilterBank, HmmParameters};
+use crate::hmm::HmmParameters;
 
 /// Parameters of N ≤ 4 states and sequences of up to 5 samples, with zeros and wide ranges of densities.
 pub(in crate::hmm) fn small_problem() -> impl Strategy<Value = (HmmParameters, Vec<f64>)> {

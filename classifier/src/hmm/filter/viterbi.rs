@@ -50,7 +50,7 @@ impl ViterbiTables {
 
 /// Log2-probabilities of the best path into each state.
 #[derive(Clone, Debug)]
-pub(in crate::hmm) struct Viterbi {
+pub(super) struct Viterbi {
     log2: Vec<Tile>,
     /// The same logarithms, without the density of the current sample.
     into: Vec<Tile>,

@@ -126,22 +126,19 @@ pub(in crate::touch) fn fit_objects(
 
 fn fit_unknown(objects: &Objects<'_>, categories: &[String]) -> Result<UnknownObjects, ModelError> {
     let counts = frequencies(objects.families.iter().map(|(_, own)| own.category));
-    let few = counts.iter().find(|(_, count)| **count < FEWEST);
-    if let Some((found, allowed)) = match few {
-        _ if counts.is_empty() => Some((
-            "no unknown objects in the auxiliary sets that touch the skin".to_owned(),
-            "reaches in which an object of a category that the data sets lack touches the skin".to_owned(),
-        )),
-        Some((name, count)) => Some((
-            format!("{count} objects of the auxiliary category {name} that touch the skin"),
-            format!("{FEWEST} or more; generate more reaches of its scene, or leave it out"),
-        )),
-        _ if counts.len() > FAMILIES => {
-            Some((format!("{} auxiliary categories", counts.len()), format!("at most {FAMILIES}")))
-        }
-        _ => None,
-    } {
-        return Err(ModelError::Mismatch { found, allowed });
+    if counts.is_empty() {
+        let found = "no unknown objects in the auxiliary sets that touch the skin";
+        let allowed = "reaches in which an object of a category that the data sets lack touches the skin";
+        return Err(ModelError::mismatch(found, allowed));
+    }
+    if let Some((name, count)) = counts.iter().find(|(_, count)| **count < FEWEST) {
+        let found = format!("{count} objects of the auxiliary category {name} that touch the skin");
+        let allowed = format!("{FEWEST} or more; generate more reaches of its scene, or leave it out");
+        return Err(ModelError::mismatch(found, allowed));
+    }
+    if counts.len() > FAMILIES {
+        let found = format!("{} auxiliary categories", counts.len());
+        return Err(ModelError::mismatch(found, format!("at most {FAMILIES}")));
     }
     let families: Vec<&str> = counts.keys().copied().collect();
     let fit = |fold: Option<usize>| objects.fit(&families, fold);

@@ -17,7 +17,7 @@ const LARGEST_FORBIDDEN_RAD: f64 = 0.4;
 const FORBIDDEN: usize = 6;
 
 /// The pursuit of a goal.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Pursuit {
     pub(super) goal: DVec3,
     pub(super) begun_s: f64,
@@ -50,21 +50,12 @@ impl Pursuit {
             goal,
             begun_s: time_s,
             path: Path::new(vec![q.to_vec()], step_rad),
-            at_steps: 0.0,
-            best_steps: 0.0,
             best_s: time_s,
             nearest_m: f64::INFINITY,
             push_rad: vec![0.0; q.len()],
-            planning_steps: 0,
             waiting_rad: q.to_vec(),
-            stops: 0,
-            unexplained: 0,
-            frozen: 0,
-            stopped_at_rad: None,
-            leaving_until_s: 0.0,
             touched_s: f64::NEG_INFINITY,
-            forbidden: Vec::new(),
-            given_up: None,
+            ..Pursuit::default()
         }
     }
 
@@ -85,7 +76,7 @@ impl Pursuit {
 
 /// A path in joint space, measured in the control steps that the arm needs for it: its corners, and how many control steps
 /// it takes to get to each.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Path {
     corners: Postures,
     steps: Vec<f64>,

@@ -9,7 +9,7 @@ use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
 use crate::object::group::{Declared, Drawing, Kind, quantities};
 use crate::object::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Spring, Structure, part};
-use crate::object::{Footing, Object, Parameters};
+use crate::object::{Footing, Object};
 use crate::range::{Draw, DrawError};
 
 pub(super) const CATEGORY: Category = Category::new("wand", 127).unwrap();
@@ -45,10 +45,6 @@ impl Object for Wand {
 
     fn height_m(&self) -> f64 {
         self.height_m
-    }
-
-    fn parameters(&self) -> Parameters {
-        self.values()
     }
 
     fn structure(&self, _: f64) -> Structure {

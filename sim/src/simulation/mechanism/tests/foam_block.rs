@@ -6,7 +6,7 @@ use underbrush_recording::{BodyPart, BodyShape, Pose};
 use super::{build, pose, step_pushed};
 use crate::object::foam_block::FoamBlock;
 use crate::object::leaf::Leaf;
-use crate::object::{Object, TABLE_FRICTION};
+use crate::object::{Listed, Object, TABLE_FRICTION};
 use crate::simulation::engine::Engine;
 use crate::simulation::mechanism::Mechanism;
 use crate::simulation::test_rig::{FreeBody, Rig};
