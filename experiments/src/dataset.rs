@@ -93,7 +93,7 @@ pub fn require_same_reaches(made: &Dataset, source: &Dataset) -> Result<(), Faul
     let Some(index) = made.first_difference(source)? else { return Ok(()) };
     let (episode, dir) = (&made.episodes()[index], source.dir().display());
     let difference = format!("reach {} of {} is missing or different in {dir}", episode.reach_index, episode.scene);
-    let [own, other] = [made, source].map(|set| set.provenance().program_version.as_str());
+    let [own, other] = [made, source].map(|set| set.plan().provenance.program_version.as_str());
     if own == other {
         let text = "although the same version made both; the new data set is kept, please report it";
         return Err(Fault::Run(format!("{difference}, {text}")));
@@ -126,7 +126,7 @@ impl Campaign {
     /// The campaign that made a data set, reconstructed from the set alone. If its controller had verdicts, the touch
     /// model is needed too, because a set stores only the hash of the model's file.
     pub fn of(dataset: &Dataset, verdicts: Option<VerdictControl>) -> Result<Self, Fault> {
-        let provenance = dataset.provenance();
+        let provenance = &dataset.plan().provenance;
         let fault = |field: &str, found: String, allowed: &str| -> Fault {
             let path = dataset.dir().join("meta/provenance.json");
             let remedy = "give a data set that `underbrush generate` made";
@@ -192,7 +192,7 @@ impl Campaign {
 
     /// Whether a finished data set is what this campaign would make.
     pub fn has_made(&self, dataset: &Dataset) -> Result<bool, Fault> {
-        Ok(self.plan(&self.plans()?, &self.jobs())?.provenance == *dataset.provenance())
+        Ok(self.plan(&self.plans()?, &self.jobs())?.provenance == dataset.plan().provenance)
     }
 
     /// Goals that have a way ([`ReachPlan::ways`]), all goals, and reaches, of a sample of its reaches. Checking a reach takes about

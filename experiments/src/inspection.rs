@@ -147,9 +147,9 @@ fn dataset(path: &Path) -> Result<Value, Fault> {
     let peaks_n = dataset.peak_contact_forces_n()?;
     let ends = Ends::of(episodes);
     let scenes = frequencies(episodes.iter().map(|episode| &episode.scene));
-    let provenance = dataset.provenance();
+    let provenance = &dataset.plan().provenance;
     let patches: BTreeMap<&str, usize> =
-        dataset.layout().patches.iter().map(|patch| (patch.name.as_str(), patch.taxels.len())).collect();
+        dataset.plan().layout.patches.iter().map(|patch| (patch.name.as_str(), patch.taxels.len())).collect();
     // Twelve digits are enough to distinguish files. The full hashes are in meta/provenance.json.
     let hash = |file: &FileText| (file.name.clone(), format!("{:.12}", file.blake3));
     let of_arm = |arm: &ArmText| arm.files.iter().map(hash).collect::<BTreeMap<_, _>>();
@@ -166,9 +166,9 @@ fn dataset(path: &Path) -> Result<Value, Fault> {
         "contacts": episodes.iter().map(|episode| episode.contacts).sum::<usize>(),
         "largest_contact_force_n": peaks_n.into_iter().fold(0.0, f64::max),
         "taxels": patches,
-        "audit_worst": audit::worst(episodes, dataset.layout()),
+        "audit_worst": audit::worst(episodes, &dataset.plan().layout),
         "audit_sums": audit::counts(episodes),
-        "doubtful": doubtful(&audit::warnings(episodes, dataset.layout())),
+        "doubtful": doubtful(&audit::warnings(episodes, &dataset.plan().layout)),
         "seed": provenance.seed,
         "controller": provenance.controller,
         "arm_files_blake3": arm_files,

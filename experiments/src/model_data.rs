@@ -68,7 +68,7 @@ pub fn of_reaches<'a>(dataset: &Dataset, episodes: impl Iterator<Item = &'a Epis
         kind: DataKind::DataSet,
         name: name(dataset.dir()),
         blake3: dataset.data_blake3(),
-        seed: Some(dataset.provenance().seed),
+        seed: Some(dataset.plan().provenance.seed),
         reaches,
         rate_hz: Some(dataset.plan().rate_hz),
     }

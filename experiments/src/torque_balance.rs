@@ -83,7 +83,7 @@ impl TorqueBalance {
 
 /// The arm of each scene, with the stiffness that the scene asks for.
 fn arms(dataset: &Dataset) -> Result<BTreeMap<String, Arm>, InputError> {
-    let provenance = dataset.provenance();
+    let provenance = &dataset.plan().provenance;
     let arm = |scene: &underbrush_recording::disk::SceneText| {
         let files = provenance.arms.get(scene.arm).map(|arm| arm.files.as_slice()).unwrap_or_default();
         let arm = stored_arm(files)?;

@@ -182,7 +182,7 @@ impl VerdictControl {
 /// Checks that the given touch model is the one that gave the verdicts of a data set, or that none is given if the set
 /// has no verdicts.
 pub(crate) fn check_model(dataset: &Dataset, verdicts: Option<&VerdictControl>) -> Result<(), Fault> {
-    let mut parameters = dataset.provenance().controller_parameters.values();
+    let mut parameters = dataset.plan().provenance.controller_parameters.values();
     let stored = parameters.find_map(|scene| scene.get("verdicts")?.get("touch_model_blake3")?.as_str());
     let given = verdicts.map(VerdictControl::model_blake3);
     if stored == given {

@@ -77,7 +77,7 @@ impl PyDataset {
     /// The skin, the same in every reach.
     #[getter]
     fn skin(&self) -> Skin {
-        Skin { layout: Arc::new(self.dataset.layout().clone()) }
+        Skin { layout: Arc::new(self.dataset.plan().layout.clone()) }
     }
 
     /// The reaches: scene, seed, index, controller, frames, outcome, contacts, audit.
@@ -89,7 +89,7 @@ impl PyDataset {
     /// Where the data come from: program, engine, scenes and arms with their text, seed, controller.
     #[getter]
     fn provenance<'py>(&self, py: Python<'py>) -> Answer<'py> {
-        json::to_python(py, self.dataset.provenance())
+        json::to_python(py, &self.dataset.plan().provenance)
     }
 
     /// Names of the columns of the frames.

@@ -115,7 +115,7 @@ pub fn write(
 /// A set that is written, after the warnings about its reaches.
 fn audited(written: Written) -> PyDataset {
     let dataset = written.dataset();
-    audit::warnings(dataset.episodes(), dataset.layout()).into_iter().for_each(show_warning);
+    audit::warnings(dataset.episodes(), &dataset.plan().layout).into_iter().for_each(show_warning);
     PyDataset::new(dataset)
 }
 

@@ -118,7 +118,7 @@ impl Reach {
     fn skin_layout(&self) -> Arc<SkinLayout> {
         let layout = || match &self.source {
             Source::Memory(recording) => Arc::new(recording.layout.clone()),
-            Source::Dataset(dataset, _) => Arc::new(dataset.layout().clone()),
+            Source::Dataset(dataset, _) => Arc::new(dataset.plan().layout.clone()),
         };
         Arc::clone(self.layout.get_or_init(layout))
     }

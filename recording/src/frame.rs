@@ -2,10 +2,8 @@
 
 use std::ops::Mul;
 
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec3, Vec3};
 use serde::{Deserialize, Serialize};
-
-use crate::ContactPoint;
 
 /// Period of the skin's readings and of frames, s (100 Hz).
 pub const FRAME_PERIOD_S: f64 = 0.01;
@@ -137,6 +135,37 @@ pub struct TaxelReading {
     /// Ground truth: index in [`crate::reach::Recording::objects`] of the object that presses hardest on this taxel.
     /// `None` if nothing touches it, as when a reading comes from noise, crosstalk or creep.
     pub object: Option<u16>,
+}
+
+/// A contact as the solver found it: of a patch of skin, or of the bare part of a link, with a body of an object or another link, over a frame.
+/// Two links that touch have one each.
+///
+/// The forces of all contacts of a frame add up to the mean over its 10 ms, so the torques on the joints are
+/// τ = Σ Jᵀ f. Values are in single precision, as they are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ContactPoint {
+    /// The link, index in [`crate::Recording::bodies`].
+    pub link: u16,
+    /// The patch of skin that is touched; `None` for a part of the link without skin.
+    pub patch: Option<u16>,
+    /// The object, index in [`crate::Recording::objects`]; `None` for the arm itself.
+    pub object: Option<u16>,
+    /// The body of the object, or the other link, index in [`crate::Recording::bodies`].
+    pub body: u16,
+    /// Centre of the force, m, world frame, with the link where it is at the end of the frame.
+    pub position_world: Vec3,
+    /// Direction of the normal forces on the link, unit, world frame.
+    pub normal_world: Vec3,
+    /// Mean force on the link over the frame, with friction, N, world frame.
+    pub force_world: Vec3,
+    /// Mean moment on the link about the position, Nm, world frame: the friction of a patch that turns.
+    pub moment_world: Vec3,
+    /// Mean velocity of the link's surface against the other, in the tangent plane, m/s, world frame.
+    pub slip_world: Vec3,
+    /// Largest overlap of the undeformed shapes, m: how far skin and object together give way.
+    pub depth_m: f32,
+    /// Largest area that presses, m².
+    pub area_m2: f32,
 }
 
 /// One sample of a reach.

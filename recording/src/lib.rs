@@ -10,7 +10,6 @@
 pub mod audit;
 pub mod body;
 pub mod category;
-pub mod contact_point;
 #[cfg(feature = "disk")]
 pub mod disk;
 pub mod fault;
@@ -24,19 +23,16 @@ pub mod reach;
 pub mod regular_file;
 pub mod stop;
 #[cfg(feature = "toml")]
-mod toml_shape;
-#[cfg(feature = "toml")]
 pub mod toml_text;
 pub mod trial;
 
 pub use audit::{Audit, AuditField};
 pub use body::{Body, BodyOwner, BodyPart, BodyShape, MappedObstacle, ObstacleKind, TrackPoint};
 pub use category::Category;
-pub use contact_point::ContactPoint;
 #[cfg(feature = "disk")]
 pub use disk::{Dataset, DiskError};
 pub use fault::{Fault, InputError, line_at};
-pub use frame::{FRAME_PERIOD_S, Frame, Pose, TaxelReading, unit_quaternion};
+pub use frame::{ContactPoint, FRAME_PERIOD_S, Frame, Pose, TaxelReading, unit_quaternion};
 pub use layout::{Grid, Patch, SkinLayout, Taxel};
 pub use limits::{JSON_BYTES, Limits, TEXT_BYTES, short};
 pub use outcome::{GoalOutcomes, NamedStop, Outcome, SafetyStop};

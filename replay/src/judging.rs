@@ -35,18 +35,10 @@ impl Judging {
         Ok(Judging { name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(), by })
     }
 
-    /// Checks that the model can judge frames of this skin.
-    ///
-    /// # Errors
-    /// [`OnlineError`] if the patch is unknown or does not fit the model.
-    pub fn check(&self, layout: &SkinLayout) -> Result<(), OnlineError> {
-        self.begin(layout).map(drop)
-    }
-
     /// Begins to judge the frames of this skin.
     ///
     /// # Errors
-    /// As [`Judging::check`].
+    /// [`OnlineError`] if the patch is unknown or does not fit the model.
     pub fn begin(&self, layout: &SkinLayout) -> Result<VerdictLog, OnlineError> {
         let online = self.by.begin(layout)?;
         Ok(VerdictLog { online, verdicts: Verdicts::new(&self.name, &self.by, layout) })

@@ -63,7 +63,7 @@ struct State {
 /// let thread = std::thread::spawn(move || simulation.frame(|| None));
 /// while live.status_after(None).frames == 0 {}
 /// thread.join().expect("the frame has been passed on");
-/// live.pause(true);
+/// live.pause(true, 0);
 /// assert!(live.status_after(None).paused);
 /// ```
 #[derive(Default)]
@@ -129,19 +129,11 @@ impl Live {
         state.latest.clone().map(|latest| (latest, state.status))
     }
 
-    /// Pauses the simulation or continues it.
-    pub fn pause(&self, paused: bool) {
+    /// Pauses the simulation after this many more frames, or continues it.
+    pub fn pause(&self, paused: bool, steps: usize) {
         let mut state = self.state();
         state.status.paused = paused && !state.status.ended;
-        state.steps = 0;
-        self.changed.notify_all();
-    }
-
-    /// Simulates this many frames, then pauses.
-    pub fn step(&self, frames: usize) {
-        let mut state = self.state();
-        state.status.paused = !state.status.ended;
-        state.steps = frames;
+        state.steps = steps;
         self.changed.notify_all();
     }
 
@@ -196,9 +188,9 @@ impl Running {
     pub fn command(&self, command: &str) -> Response {
         let steps = command.strip_prefix("step/").and_then(|count| count.parse().ok());
         match (command, steps) {
-            ("pause", _) => self.live.pause(true),
-            ("run", _) => self.live.pause(false),
-            (_, Some(count @ 1..=MAX_STEPS)) => self.live.step(count),
+            ("pause", _) => self.live.pause(true, 0),
+            ("run", _) => self.live.pause(false, 0),
+            (_, Some(count @ 1..=MAX_STEPS)) => self.live.pause(true, count),
             _ => return Response::text(404, "no such command"),
         }
         Response::text(200, "done")

@@ -120,7 +120,7 @@ pub fn pack_from(
         outcome: recording.outcome(),
         goal_outcomes: recording.goal_outcomes(),
         safety_stop: recording.safety_stop(),
-        fixed: (from == 0).then(|| Fixed::of(recording)),
+        fixed: (from == 0).then(|| fixed(recording)),
         goals: &recording.goals,
         contacts: recording.contacts.iter().filter(goes_on).collect(),
         map: &recording.map,
@@ -136,22 +136,21 @@ pub fn pack_from(
     })
 }
 
-impl<'a> Fixed<'a> {
-    fn of(recording: &'a Recording) -> Self {
-        let patches = recording.layout.patches.iter().zip(first_taxels(&recording.layout));
-        let patches = patches.map(|(patch, first_taxel)| PatchHeader {
-            name: &patch.name,
-            link: &patch.link,
-            grid: patch.grid,
-            first_taxel,
-            taxels: patch.taxels.len(),
-        });
-        Fixed {
-            joint_names: &recording.joint_names,
-            patches: patches.collect(),
-            objects: &recording.objects,
-            bodies: &recording.bodies,
-        }
+/// What of a reach does not change while it runs.
+fn fixed(recording: &Recording) -> Fixed<'_> {
+    let patches = recording.layout.patches.iter().zip(first_taxels(&recording.layout));
+    let patches = patches.map(|(patch, first_taxel)| PatchHeader {
+        name: &patch.name,
+        link: &patch.link,
+        grid: patch.grid,
+        first_taxel,
+        taxels: patch.taxels.len(),
+    });
+    Fixed {
+        joint_names: &recording.joint_names,
+        patches: patches.collect(),
+        objects: &recording.objects,
+        bodies: &recording.bodies,
     }
 }
 

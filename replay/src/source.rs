@@ -117,7 +117,7 @@ impl Source {
         let mut source = Source { datasets: Vec::new(), places: Vec::new(), reaches: Vec::new(), known, judging: None };
         for held in recordings {
             if let Some(judging) = &held.judging {
-                judging.check(&held.recording.layout).map_err(unjudged(&held.recording.scene))?;
+                judging.begin(&held.recording.layout).map_err(unjudged(&held.recording.scene))?;
             }
             source.list(&held.recording, String::new());
             source.places.push(Place::Memory(Box::new(held)));
@@ -141,7 +141,7 @@ impl Source {
     /// The text of the scene of a reach of a data set; of other reaches it is not known.
     pub fn scene_text(&self, number: usize) -> Option<&str> {
         let Some(Place::Dataset { input, .. }) = self.places.get(number) else { return None };
-        let mut scenes = self.datasets[*input].provenance().scenes.iter();
+        let mut scenes = self.datasets[*input].plan().provenance.scenes.iter();
         scenes.find(|scene| scene.name == self.reaches[number].scene).map(|scene| scene.file.text.as_str())
     }
 
@@ -160,11 +160,11 @@ impl Source {
     fn add_dataset(&mut self, path: &Path) -> Result<(), Fault> {
         let dataset = Dataset::open(path)?;
         let rate_hz = dataset.plan().rate_hz;
-        self.check(path, dataset.layout(), Some(rate_hz))?;
+        self.check(path, &dataset.plan().layout, Some(rate_hz))?;
         let peaks = dataset.peak_contact_forces_n()?;
         let input = self.datasets.len();
         for (index, (episode, peak_force_n)) in dataset.episodes().iter().zip(peaks).enumerate() {
-            let line = Summary::new(episode, rate_hz, dataset.layout(), &self.known);
+            let line = Summary::new(episode, rate_hz, &dataset.plan().layout, &self.known);
             self.reaches.push(Summary { number: self.places.len(), source: file_name(path), peak_force_n, ..line });
             self.places.push(Place::Dataset { input, index });
         }
@@ -198,7 +198,7 @@ impl Source {
     /// An error if the model does not fit the skin of a file. Warns if it was fitted to frames at another rate than these, Hz.
     fn check(&self, path: &Path, layout: &SkinLayout, rate_hz: Option<f64>) -> Result<(), Fault> {
         if let Some(judging) = &self.judging {
-            judging.check(layout).map_err(unjudged(&path.display().to_string()))?;
+            judging.begin(layout).map_err(unjudged(&path.display().to_string()))?;
             judging.by.provenance().warn_of_rate(path.display(), rate_hz);
         }
         Ok(())

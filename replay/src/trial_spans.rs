@@ -61,13 +61,11 @@ pub fn check(path: &Path, reach: u64, trials: &[&Trial], spans: &Spans) -> Resul
     times_s.sort_by(f64::total_cmp);
     times_s.dedup();
     let place = |time_s: f64| times_s.partition_point(|other_s| *other_s < time_s);
-    let mut placed = Vec::new();
-    for &trial in trials {
-        if let (Some(first), Some(last)) = (trial.samples.first(), trial.samples.last()) {
-            let [first, last] = [first, last].map(|sample| place(sample.time_s));
-            placed.push(Placed { trial, taxel: (patch_name(trial), trial.taxel), first, last });
-        }
-    }
+    let placed = trials.iter().filter_map(|&trial| {
+        let [first, last] = [trial.samples.first()?, trial.samples.last()?].map(|sample| place(sample.time_s));
+        Some(Placed { trial, taxel: (patch_name(trial), trial.taxel), first, last })
+    });
+    let mut placed: Vec<Placed> = placed.collect();
     placed.sort_by_key(|placed| (placed.taxel, placed.first));
     for pair in placed.windows(2).filter(|pair| pair[0].taxel == pair[1].taxel) {
         let (before, after) = (&pair[0], &pair[1]);

@@ -37,7 +37,7 @@ impl Reproduction<'_> {
         let experiment = self.experiment();
         let session = Session::new(&experiment, (self.seed, self.quick, self.campaigns), out, progress);
         let data = session.once(training::run)?;
-        for warning in audit::warnings(data.dataset.episodes(), data.dataset.layout()) {
+        for warning in audit::warnings(data.dataset.episodes(), &data.dataset.plan().layout) {
             progress.remark(&warning);
         }
         let trials = &data.trials;

@@ -125,7 +125,7 @@ pub fn run(options: GenerateOptions, json: bool) -> Result<(), Failure> {
     if let Some(source) = &source {
         require_same_reaches(&dataset, source)?;
     }
-    audit::warnings(dataset.episodes(), dataset.layout()).into_iter().for_each(output::remark);
+    audit::warnings(dataset.episodes(), &dataset.plan().layout).into_iter().for_each(output::remark);
     // Other runs may have simulated a part.
     let alone_s = wall_s.filter(|_| !options.resume && !options.shared);
     let mut summary = Summary::of(&dataset, alone_s);
@@ -168,7 +168,7 @@ impl Summary {
             wall_s,
             goals_with_a_way: None,
             ends: Ends::of(episodes),
-            audit: audit::worst(episodes, dataset.layout()),
+            audit: audit::worst(episodes, &dataset.plan().layout),
             audit_counts: audit::counts(episodes),
         }
     }

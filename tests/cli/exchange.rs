@@ -36,8 +36,8 @@ fn trials_through_csv_are_those_of_the_data_set() {
     let folder = tempfile::tempdir().unwrap();
     let [file, table, model] = ["log.csv", "trials.csv", "model.json"].map(|name| folder.path().join(name));
     let set = underbrush_recording::disk::Dataset::open(fixture().dataset()).unwrap();
-    let patch = set.layout().patches.iter().position(|patch| patch.name == "forearm").unwrap();
-    let taxels = set.layout().patches[patch].taxels.len();
+    let patch = set.plan().layout.patches.iter().position(|patch| patch.name == "forearm").unwrap();
+    let taxels = set.plan().layout.patches[patch].taxels.len();
     let columns: Vec<String> = (0..taxels).map(|taxel| format!("f{taxel}")).collect();
     let mut log = format!("reach,scene,{}\n", columns.join(","));
     for index in 0..set.episodes().len() {

@@ -83,9 +83,9 @@ fn a_set_is_made_again_from_itself() {
         assert_same_trees(set, again);
     }
     let set = Dataset::open(&shard).unwrap();
-    assert_eq!((set.episodes().len(), set.provenance().arms.len()), (2, 2));
+    assert_eq!((set.episodes().len(), set.plan().provenance.arms.len()), (2, 2));
     let again = Dataset::open(&again).unwrap();
-    assert!(again.provenance().scenes[0].file.text.contains("saturation_n = inf"));
+    assert!(again.plan().provenance.scenes[0].file.text.contains("saturation_n = inf"));
 }
 
 /// Tests the keys of the controller's parameters in a set's provenance, whatever the fields are called in the program.

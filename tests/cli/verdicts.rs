@@ -72,7 +72,7 @@ fn a_set_with_true_verdicts_is_made_again() {
 /// The hash of the touch model in a set's provenance.
 fn blake3_of(set: &Path) -> String {
     let set = Dataset::open(set).unwrap();
-    let parameters = &set.provenance().controller_parameters["trunk"]["verdicts"];
+    let parameters = &set.plan().provenance.controller_parameters["trunk"]["verdicts"];
     assert_eq!(parameters["allowed_force_n"]["categories_n"]["leaf"], 6.0);
     parameters["touch_model_blake3"].as_str().unwrap().to_owned()
 }

@@ -116,7 +116,7 @@ impl SetRecord {
     /// The record of a set. All of its files are checked.
     pub(super) fn of(name: &str, dataset: &Dataset) -> Result<Self, Fault> {
         dataset.verify()?;
-        let provenance = dataset.provenance();
+        let provenance = &dataset.plan().provenance;
         let scene = |own: &underbrush_recording::disk::SceneText| SceneRecord {
             name: own.name.clone(),
             reaches: own.reaches,

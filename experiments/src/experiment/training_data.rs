@@ -53,7 +53,7 @@ pub struct TrialsPerReach {
 /// Generates the data and counts it.
 pub fn run(session: &Session) -> Result<TrainingSummary, Fault> {
     let data = session.once(training::run)?;
-    let (episodes, layout) = (data.dataset.episodes(), data.dataset.layout());
+    let (episodes, layout) = (data.dataset.episodes(), &data.dataset.plan().layout);
     let frames: usize = episodes.iter().map(|episode| episode.frames).sum();
     Ok(TrainingSummary {
         reaches: Reaches {

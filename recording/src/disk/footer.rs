@@ -11,7 +11,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::DiskError;
-use super::named_path::open_input;
+use super::files::open_input;
 use crate::InputError;
 
 /// Metadata key of the hash.

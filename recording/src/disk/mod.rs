@@ -14,8 +14,8 @@
 mod check;
 mod dataset;
 mod error;
+mod files;
 mod footer;
-mod named_path;
 mod recording_file;
 mod table;
 mod tables;
@@ -23,14 +23,13 @@ mod tables;
 mod tests;
 mod trials;
 mod unfinished;
-mod whole_file;
 
 pub use dataset::{
     ArmText, Dataset, DatasetPlan, DatasetWriter, FileText, PlannedEpisode, Provenance, SceneText, Shard, Shards,
     file_blake3, remove_dataset,
 };
 pub use error::DiskError;
-pub use named_path::{check_free, check_not_input, is_folder, is_there};
+pub use files::{check_free, check_not_input, is_folder, is_there, write_file};
 pub use recording_file::{
     is_recording, read_recording, recording_columns, recording_table, recordings_in, write_recording,
 };
@@ -40,4 +39,3 @@ pub use tables::dictionary::is_of_joints_or_taxels;
 pub use tables::episode::Episode;
 pub use trials::{COLUMNS as TRIAL_COLUMNS, channel_names, read_trials, trial_table, write_trials};
 pub use unfinished::{UnfinishedFolder, abandon_unfinished_files};
-pub use whole_file::write_file;

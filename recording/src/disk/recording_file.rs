@@ -5,15 +5,14 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::check::{check_layout, check_recording};
-use super::named_path::{is_folder, is_there};
+use super::files::{is_folder, is_there, remove_leftovers};
 use super::table::{Batch, ParquetFile, ParquetTable, ROWS_PER_BATCH};
-use super::tables::description::{about, about_entry};
 use super::tables::dictionary::{FRAMES, RECORDING_TRUTH, Table};
 use super::tables::frames::{
     FRAME_COLUMNS, Feature, Numbering, ReachRows, append_frames, columns_of, features, wanted,
 };
 use super::tables::truth_columns::{TRUTH_COLUMNS, moves};
-use super::whole_file::remove_leftovers;
+use super::tables::{about, about_entry};
 use super::{DiskError, footer};
 use crate::{InputError, Recording};
 

@@ -63,7 +63,7 @@ fn layout_of(path: &Path) -> Result<SkinLayout, Failure> {
     input::check_exists(path, "a data set (folder), a recording, the file of an arm or a skin file")?;
     let extension = path.extension().unwrap_or_default();
     if is_folder(path)? {
-        Ok(Dataset::open(path)?.layout().clone())
+        Ok(Dataset::open(path)?.plan().layout.clone())
     } else if extension == "toml" {
         Ok(arm::load_layout(path)?)
     } else if is_recording(path)? {

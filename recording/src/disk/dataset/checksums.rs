@@ -8,8 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::info::read_json;
 use super::names;
-use crate::disk::named_path::{is_there, metadata, open_input};
-use crate::disk::whole_file::write_json;
+use crate::disk::files::{is_there, metadata, open_input, write_json};
 use crate::{DiskError, InputError};
 
 /// The remedy for a damaged data set.

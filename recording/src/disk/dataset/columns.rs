@@ -2,10 +2,9 @@
 
 use crate::disk::dataset::{Dataset, names};
 use crate::disk::table::{Batch, Type, Want};
-use crate::disk::tables::description::about;
 use crate::disk::tables::dictionary::{FRAMES, Table};
-use crate::disk::tables::tables_of_reaches;
-use crate::{DiskError, InputError};
+use crate::disk::tables::{FURTHER, about, tables_of_reaches};
+use crate::{DiskError, InputError, Recording};
 
 impl Dataset {
     /// The names of the columns of `data/`, the table of frames, in their order.
@@ -96,7 +95,9 @@ impl Dataset {
         if !batches.is_empty() {
             return Ok(batches);
         }
-        let columns = (table.empty)();
+        // A table of frames is never empty.
+        let columns_of = FURTHER.into_iter().find(|(own, _)| own.path == folder);
+        let columns = columns_of.map_or(Vec::new(), |(_, columns)| columns(index, &Recording::default()));
         let about = about(&[table], &columns, &self.plan().categories);
         Ok(vec![Batch::in_memory(table.path, columns, about)])
     }

@@ -9,10 +9,9 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::{DatasetPlan, Provenance};
-use crate::disk::tables::all_tables;
-use crate::disk::tables::description::describe_tables;
 use crate::disk::tables::dictionary::FRAMES;
 use crate::disk::tables::frames::Feature;
+use crate::disk::tables::{all_tables, describe_tables};
 use crate::{Category, DiskError, InputError, JSON_BYTES, read_bytes};
 
 /// Version of LeRobot's layout that this program writes and reads.

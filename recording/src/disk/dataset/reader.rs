@@ -7,8 +7,8 @@ use std::sync::{Mutex, PoisonError};
 use crate::disk::check::check_recording;
 use crate::disk::dataset::checksums::Checksums;
 use crate::disk::dataset::info::{CODEBASE_VERSION, FORMAT, Info, ProvenanceFile, read_json};
-use crate::disk::dataset::{DatasetPlan, PlannedEpisode, Provenance, names};
-use crate::disk::named_path::{is_there, metadata};
+use crate::disk::dataset::{DatasetPlan, PlannedEpisode, names};
+use crate::disk::files::{is_there, metadata};
 use crate::disk::table::{EPISODE_COLUMN, Footers, ParquetTable, Want};
 use crate::disk::tables::dictionary::{
     FRAMES, MAP, TRUTH_BODIES, TRUTH_CONTACT_POINTS, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES,
@@ -21,7 +21,7 @@ use crate::disk::tables::truth_bodies::read_bodies;
 use crate::disk::tables::truth_tables::{
     add_contact_points, add_patches, add_poses, add_taxels, read_contacts, read_goals, read_map, read_objects,
 };
-use crate::{DiskError, InputError, Recording, SkinLayout};
+use crate::{DiskError, InputError, Recording};
 
 /// A finished data set on disk. Frames are read reach by reach.
 #[derive(Debug)]
@@ -139,19 +139,9 @@ impl Dataset {
         &self.dir
     }
 
-    /// The plan of the set.
+    /// The plan of the set, with its origin and skin.
     pub fn plan(&self) -> &DatasetPlan {
         &self.plan
-    }
-
-    /// The origin of the data.
-    pub fn provenance(&self) -> &Provenance {
-        &self.plan.provenance
-    }
-
-    /// The skin, the same in every reach.
-    pub fn layout(&self) -> &SkinLayout {
-        &self.plan.layout
     }
 
     /// The reaches, in order.

@@ -15,7 +15,7 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData};
 use parquet::file::reader::{ChunkReader, Length};
 
-use crate::disk::named_path::open_input;
+use crate::disk::files::open_input;
 use crate::{DiskError, InputError, limits};
 
 /// The file. Clones share it.

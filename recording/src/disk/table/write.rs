@@ -18,9 +18,9 @@ use tempfile::NamedTempFile;
 use super::arrow_schema;
 use super::column::{Column, Rows, Text, Type, Values};
 use crate::DiskError;
+use crate::disk::files::{self, TemporaryFile};
 use crate::disk::footer;
 use crate::disk::unfinished::Registered;
-use crate::disk::whole_file::{self, TemporaryFile};
 
 /// Number of rows that are encoded or decoded together. With 453 taxels their dense columns take about 15 MB.
 pub(crate) const ROWS_PER_BATCH: usize = 1024;
@@ -169,7 +169,7 @@ impl ParquetFile {
         let encoder = Encoder::new(path, columns)?;
         let properties = WriterProperties::clone(&encoder.properties).into_builder();
         let properties = Arc::new(properties.set_key_value_metadata(Some(key_values)).build());
-        let TemporaryFile { file, registered } = whole_file::begin(path)?;
+        let TemporaryFile { file, registered } = files::begin(path)?;
         let writer = SerializedFileWriter::new(file, Arc::clone(&encoder.schema), properties);
         let writer = writer.map_err(DiskError::encode(path))?;
         Ok(ParquetFile { path: path.to_path_buf(), encoder, writer, registered, sealed })
@@ -203,7 +203,7 @@ impl ParquetFile {
         footer::declare_usual_order(file.as_file_mut())
             .and_then(|()| if self.sealed { footer::seal(file.as_file_mut()) } else { Ok(()) })
             .map_err(DiskError::io(&self.path, "write"))?;
-        whole_file::commit(TemporaryFile { file, registered: self.registered }, &self.path)
+        files::commit(TemporaryFile { file, registered: self.registered }, &self.path)
     }
 }
 

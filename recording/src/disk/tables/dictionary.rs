@@ -5,7 +5,7 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::disk::table::{Column, Described, Row, Text, Width, row};
+use crate::disk::table::{Described, Row, Text, Width, row};
 use crate::disk::tables::frames::FRAME_COLUMNS;
 use crate::disk::tables::truth_columns::TRUTH_COLUMNS;
 
@@ -20,13 +20,11 @@ pub(crate) struct Table {
     pub(crate) row: &'static str,
     /// Its columns.
     pub(crate) columns: fn() -> Vec<Described>,
-    /// These columns without rows; none for the tables of frames, which are never empty.
-    pub(crate) empty: fn() -> Vec<Column>,
 }
 
 /// A table with these rows.
 pub(crate) const fn table<R: Row>(name: &'static str, path: &'static str, row: &'static str) -> Table {
-    Table { name, path, row, columns: || R::COLUMNS.to_vec(), empty: || R::write(&[]) }
+    Table { name, path, row, columns: || R::COLUMNS.to_vec() }
 }
 
 /// The frames.
@@ -35,7 +33,6 @@ pub(crate) const FRAMES: Table = Table {
     path: "data",
     row: "a frame; J joints, n taxels in each patch",
     columns: || FRAME_COLUMNS.iter().map(|column| column.described).collect(),
-    empty: Vec::new,
 };
 
 /// The columns that a single recording has in addition to those of [`FRAMES`].
@@ -44,7 +41,6 @@ pub(crate) const RECORDING_TRUTH: Table = Table {
     path: "the file of a single recording",
     row: "a frame; the columns of `data` come first, then these",
     columns: || TRUTH_COLUMNS.iter().map(|column| column.described).collect(),
-    empty: Vec::new,
 };
 
 const EPISODE: &str = "index of the reach, from 0";

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::disk::check::check_layout;
 use crate::disk::table::{Column, ParquetTable, Row, Text, Want, broken, write_table};
-use crate::disk::tables::description::about_entry;
+use crate::disk::tables::about_entry;
 use crate::disk::tables::dictionary::{SkinTaxel, TAXELS};
 use crate::{DiskError, Patch, SkinLayout, Taxel};
 
@@ -41,7 +41,7 @@ pub(crate) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, usize>) -> Resul
 
 /// Writes the taxel table.
 pub(crate) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<(), DiskError> {
-    let row = |patch: &Patch, index: usize, taxel: &Taxel| SkinTaxel {
+    let row = |(patch, (index, taxel)): (&Patch, (usize, &Taxel))| SkinTaxel {
         patch: patch.name.as_str().into(),
         taxel: index as i32,
         row: patch.grid.map(|grid| (index / grid.columns) as i32),
@@ -52,15 +52,11 @@ pub(crate) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<(), DiskE
         tangent_link: taxel.tangent_link,
         area_m2: taxel.area_m2,
     };
-    let mut rows = Vec::new();
-    for patch in &layout.patches {
-        let taxels = patch.taxels.iter().enumerate();
-        rows.extend(taxels.map(|(index, taxel)| row(patch, index, taxel)));
-    }
+    let taxels = layout.patches.iter().flat_map(|patch| patch.taxels.iter().enumerate().map(move |own| (patch, own)));
     let bare = |patch: &Patch| Patch { taxels: Vec::new(), ..patch.clone() };
     let patches = serde_json::to_string(&layout.patches.iter().map(bare).collect::<Vec<_>>())
         .map_err(DiskError::io(path, "write"))?;
-    let columns = SkinTaxel::write(&rows);
+    let columns = SkinTaxel::write(&taxels.map(row).collect::<Vec<_>>());
     let about = about_entry(&[&TAXELS], &columns, &[]);
     write_table(path, columns, vec![(PATCHES_KEY, patches), about])
 }

@@ -1,7 +1,7 @@
 //! The columns of ground truth that follow those of `frames.rs` in the file of a single recording: dense columns for
 //! taxels, and lists for the bodies that moved.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::disk::table::Width;
 use crate::disk::tables::frames::{
@@ -105,6 +105,44 @@ pub(crate) fn check_code(recording: &Recording, object: Option<u16>, found: i8) 
     let expected = recording.objects[usize::from(object)].category.code();
     let allowed = || format!("{expected}, the category of object {object}");
     if found == expected { Ok(()) } else { Err((found.to_string(), allowed())) }
+}
+
+/// Numbers in a row of the column for a single recording.
+const NUMBERS: usize = 21;
+
+impl ContactPoint {
+    /// All fields as numbers, in their order; a missing patch or object is −1.
+    pub(crate) fn numbers(&self) -> [f32; NUMBERS] {
+        let [position, normal, force, moment, slip] =
+            [self.position_world, self.normal_world, self.force_world, self.moment_world, self.slip_world]
+                .map(|vector| vector.to_array());
+        let [patch, object] = [self.patch, self.object].map(|index| index.map_or(-1.0, f32::from));
+        let mut numbers = [0.0; NUMBERS];
+        numbers[..4].copy_from_slice(&[self.link.into(), patch, object, self.body.into()]);
+        numbers[4..19].copy_from_slice([position, normal, force, moment, slip].as_flattened());
+        numbers[19..].copy_from_slice(&[self.depth_m, self.area_m2]);
+        numbers
+    }
+
+    /// The contact with these numbers; `None` if an index is not a whole number of its range.
+    pub(crate) fn from_numbers(numbers: &[f32; NUMBERS]) -> Option<Self> {
+        let index = |number: f32| (f32::from(number as u16) == number).then_some(number as u16);
+        let optional = |number: f32| if number == -1.0 { Some(None) } else { index(number).map(Some) };
+        let vector = |first: usize| Vec3::from_slice(&numbers[first..]);
+        Some(ContactPoint {
+            link: index(numbers[0])?,
+            patch: optional(numbers[1])?,
+            object: optional(numbers[2])?,
+            body: index(numbers[3])?,
+            position_world: vector(4),
+            normal_world: vector(7),
+            force_world: vector(10),
+            moment_world: vector(13),
+            slip_world: vector(16),
+            depth_m: numbers[19],
+            area_m2: numbers[20],
+        })
+    }
 }
 
 /// Adds the contacts of a frame.

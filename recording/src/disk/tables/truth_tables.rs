@@ -351,20 +351,16 @@ pub(crate) fn add_taxels(rows: &EpisodeRows, recording: &mut Recording) -> Resul
 /// An episode's patches in contact, as rows for the same reason as in [`taxel_rows`].
 pub(crate) fn patch_rows(episode: usize, recording: &Recording) -> Vec<TruthPatch> {
     let patches = patch_names(recording);
-    let mut rows = Vec::new();
-    for (frame, found) in recording.frames.iter().enumerate() {
-        for (patch, force) in patches.iter().zip(&found.contact_force_world) {
-            if *force != DVec3::ZERO {
-                rows.push(TruthPatch {
-                    episode_index: episode as i64,
-                    frame_index: frame as i64,
-                    patch: Text::clone(patch),
-                    contact_force_world: *force,
-                });
-            }
-        }
-    }
-    rows
+    let row = |frame: usize, (patch, force): (&Text, &DVec3)| {
+        (*force != DVec3::ZERO).then(|| TruthPatch {
+            episode_index: episode as i64,
+            frame_index: frame as i64,
+            patch: Text::clone(patch),
+            contact_force_world: *force,
+        })
+    };
+    let forces = recording.frames.iter().map(|frame| patches.iter().zip(&frame.contact_force_world));
+    forces.enumerate().flat_map(|(index, forces)| forces.filter_map(move |own| row(index, own))).collect()
 }
 
 /// Adds the contact forces on patches to an episode's frames.

@@ -140,8 +140,8 @@ fn every_reach_comes_back_as_it_was_staged() {
         assert_eq!(&set.read_reach(index).unwrap(), recording, "reach {index}");
     }
     assert!(matches!(set.read_reach(5), Err(DiskError::NoSuchReach { index: 5, count: 5, .. })));
-    assert_eq!(set.layout(), &plan().layout);
-    assert_eq!(set.provenance(), &plan().provenance);
+    assert_eq!(set.plan().layout, plan().layout);
+    assert_eq!(set.plan().provenance, plan().provenance);
     set.verify().unwrap();
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::rows::{Cell, Cells, Collector};
 use super::{COLUMNS, channel_columns, columns_of, place_columns};
-use crate::disk::whole_file::{self, TemporaryFile};
+use crate::disk::files::{self, TemporaryFile};
 use crate::fault::line_of_row;
 use crate::limits::CSV_BYTES;
 use crate::{DiskError, InputError, Trial, read_bytes};
@@ -51,7 +51,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
 pub(super) fn write(path: &Path, channels: &[Arc<str>], trials: &[Trial]) -> Result<(), DiskError> {
     // Not `DiskError::io` for each row: it copies the path.
     let failed = |error: csv::Error| DiskError::io(path, "write")(error);
-    let TemporaryFile { file, registered } = whole_file::begin(path)?;
+    let TemporaryFile { file, registered } = files::begin(path)?;
     let mut writer = csv::Writer::from_writer(file);
     let names: Vec<&str> = COLUMNS.into_iter().chain(channels.iter().map(|name| &**name)).collect();
     writer.write_record(names).map_err(failed)?;
@@ -62,5 +62,5 @@ pub(super) fn write(path: &Path, channels: &[Arc<str>], trials: &[Trial]) -> Res
         }
     }
     let file = writer.into_inner().map_err(|error| DiskError::io(path, "write")(error.into_error()))?;
-    whole_file::commit(TemporaryFile { file, registered }, path)
+    files::commit(TemporaryFile { file, registered }, path)
 }

@@ -18,8 +18,8 @@ pub use parquet_table::trial_table;
 
 use super::DiskError;
 use super::check::{Violation, require};
+use super::files::remove_leftovers;
 use super::table::{Column, Field, Row, Text, row};
-use super::whole_file::remove_leftovers;
 use crate::disk::tables::dictionary::{Table, table};
 use crate::{Category, InputError, PLAIN, Trial, distinct, is_plain};
 

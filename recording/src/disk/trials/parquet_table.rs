@@ -7,7 +7,7 @@ use super::rows::{Cell, Cells, Collector};
 use super::{COLUMNS, TRIALS, channel_columns, channel_names, columns_of, place_columns};
 use crate::disk::footer;
 use crate::disk::table::{Batch, Column, ParquetFile, ParquetTable, ROWS_PER_BATCH, Values, Want, unknown};
-use crate::disk::tables::description::{about, about_entry};
+use crate::disk::tables::{about, about_entry};
 use crate::{DiskError, Trial};
 
 /// Reads a table.

@@ -15,16 +15,17 @@ use rayon::prelude::*;
 use super::folder::Staging;
 use super::packed::Assembled;
 use super::statistics::Statistics;
-use super::table_files::{FurtherColumns, TableFiles, further_columns};
+use super::table_files::{FurtherColumns, TableFiles};
 use crate::disk::dataset::checksums::{FileSum, files_below, files_of_set};
 use crate::disk::dataset::info::{FORMAT, Info, ProvenanceFile, card};
 use crate::disk::dataset::names;
+use crate::disk::files::{create_folder, json_bytes, remove_if_there, remove_leftovers, write_bytes, write_json};
 use crate::disk::recording_file::batches;
 use crate::disk::table::{Column, Encoder, Group};
+use crate::disk::tables::FURTHER;
 use crate::disk::tables::episode::{Episode, write_episodes};
 use crate::disk::tables::frames::{FRAME_COLUMNS, Feature, Numbering, ReachRows, columns_of, features};
 use crate::disk::tables::shared_tables::{write_tasks, write_taxels};
-use crate::disk::whole_file::{create_folder, json_bytes, remove_if_there, remove_leftovers, write_bytes, write_json};
 use crate::{Category, DiskError, Recording};
 
 /// A reach that is ready for the files of the set: only its place in them is missing. Preparing one needs no other, so each
@@ -67,7 +68,7 @@ impl Prepared {
             columns,
             frames,
             statistics,
-            further: further_columns(numbering.episode, recording),
+            further: FURTHER.map(|(_, columns)| columns(numbering.episode, recording)),
         })
     }
 }
@@ -134,7 +135,7 @@ pub(crate) fn assemble_from(
         }
     }
     // The progress need not be stored once more: the reaches of these files stay staged until the set is complete.
-    assembled.close_files(&mut files, dir)?;
+    assembled.checksums.add_files(dir, files.close()?)?;
     write_episodes(&dir.join(names::EPISODES), &assembled.episodes)?;
     write_json(&dir.join(names::STATS), &assembled.statistics.summary())?;
     let info = Info::new(plan, assembled.total_frames, numbers.len(), &features);

@@ -10,8 +10,9 @@ use serde_json::Value;
 use crate::disk::dataset::info::{MEGABYTES_PER_FILE, read_json};
 use crate::disk::dataset::plan::first_difference;
 use crate::disk::dataset::{Dataset, DatasetPlan, names};
-use crate::disk::named_path::{is_there, metadata};
-use crate::disk::whole_file::{TEMPORARY_PREFIX, json_bytes, remove_if_there, sync_folder, write_new_bytes};
+use crate::disk::files::{
+    TEMPORARY_PREFIX, is_there, json_bytes, metadata, remove_if_there, sync_folder, write_new_bytes,
+};
 use crate::{DiskError, InputError};
 
 /// How often locking or removing `incomplete/` is tried. Choice: each attempt fails only if another process starts or ends at

@@ -23,9 +23,8 @@ use super::table_files::TableFiles;
 use crate::disk::check::check_recording;
 use crate::disk::dataset::checksums::{Checksums, FileSum};
 use crate::disk::dataset::names;
-use crate::disk::named_path::is_there;
+use crate::disk::files::{is_there, write_bytes};
 use crate::disk::tables::episode::Episode;
-use crate::disk::whole_file::write_bytes;
 use crate::{DiskError, Frame, InputError, Recording, TrackPoint};
 
 /// zstd's fastest level except for the negative ones, as in the Parquet files.
@@ -123,15 +122,10 @@ impl Assembled {
         Ok(Some(assembled))
     }
 
-    /// Closes the current files.
-    pub(crate) fn close_files(&mut self, files: &mut TableFiles, dir: &Path) -> Result<(), DiskError> {
-        self.checksums.add_files(dir, files.close()?)
-    }
-
     /// Closes the current files and stores the progress. The staged reaches of the episodes so far are then no longer
     /// needed.
     pub(crate) fn files_end(&mut self, files: &mut TableFiles, dir: &Path) -> Result<(), DiskError> {
-        self.close_files(files, dir)?;
+        self.checksums.add_files(dir, files.close()?)?;
         self.files = files.begun;
         let path = dir.join(names::ASSEMBLED);
         write_bytes(&path, &packed(self).map_err(DiskError::io(&path, "write"))?)

@@ -16,7 +16,7 @@ use serde_json::Value;
 use super::folder::not_locked;
 use crate::disk::dataset::plan::first_difference;
 use crate::disk::dataset::{Dataset, DatasetPlan, DatasetWriter, PlannedEpisode, Shard, names};
-use crate::disk::named_path::is_there;
+use crate::disk::files::is_there;
 use crate::{DiskError, InputError};
 
 impl DatasetWriter {
@@ -81,7 +81,7 @@ fn common(part: &Dataset) -> Result<Value, DiskError> {
 fn shard_of(set: &Dataset) -> Result<Shard, InputError> {
     let allowed = "a part of a campaign, made with `underbrush generate --shard I/N`";
     let error = |found: String, remedy: &str| InputError::new(set.dir(), "shard", found, allowed, remedy);
-    match set.provenance().shard {
+    match set.plan().provenance.shard {
         None => Err(error("none: the set is a whole campaign".into(), "leave it out")),
         Some(shard) if shard.index < shard.count => Ok(shard),
         Some(shard) => Err(error(shard.to_string(), "generate the part again")),

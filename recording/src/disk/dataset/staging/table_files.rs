@@ -8,12 +8,11 @@ use std::path::{Path, PathBuf};
 
 use crate::disk::dataset::info::FILES_PER_CHUNK;
 use crate::disk::dataset::names;
+use crate::disk::files::create_folder;
 use crate::disk::table::{Column, Group, ParquetFile};
-use crate::disk::tables::description::about_entry;
 use crate::disk::tables::dictionary::Table;
-use crate::disk::tables::{FURTHER, tables_of_reaches};
-use crate::disk::whole_file::create_folder;
-use crate::{Category, DiskError, Recording};
+use crate::disk::tables::{FURTHER, about_entry, tables_of_reaches};
+use crate::{Category, DiskError};
 
 /// A row group of a table beside `data` ends with the episode in which it reaches this number of rows. Choice: this many
 /// rows of the widest table are decoded within a few milliseconds, and a row group per episode would take more space
@@ -22,11 +21,6 @@ pub(crate) const ROWS_PER_GROUP: usize = 4096;
 
 /// The columns of an episode, one list for each table except the frames.
 pub(crate) type FurtherColumns = [Vec<Column>; FURTHER.len()];
-
-/// Makes the columns of an episode for all tables except the frames.
-pub(crate) fn further_columns(episode: usize, recording: &Recording) -> FurtherColumns {
-    FURTHER.map(|(_, columns)| columns(episode, recording))
-}
 
 /// One file of one table.
 struct TableFile {

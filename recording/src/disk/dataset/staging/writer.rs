@@ -17,8 +17,7 @@ use crate::disk::check::{Violation, check_categories, check_robot, require};
 use crate::disk::dataset::checksums::FileSum;
 use crate::disk::dataset::info::read_json;
 use crate::disk::dataset::{Dataset, DatasetPlan, Shard, names};
-use crate::disk::named_path::is_there;
-use crate::disk::whole_file::{create_folder, sync_folder, write_json};
+use crate::disk::files::{create_folder, is_there, sync_folder, write_json};
 use crate::{DiskError, Recording};
 
 /// A data set that is being written.
