@@ -81,7 +81,7 @@ pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Fai
     let cut = if is_folder(path)? {
         contact_trials::of_dataset(&Dataset::open(path)?, &arguments.options()?, &Shown).map_err(Failure::from)
     } else if is_recording(path)? {
-        contact_trials::of_recording(&read_recording(path)?, &arguments.options()?, 0).map_err(Failure::from)
+        contact_trials::of_recording(&read_recording(path)?, &arguments.options()?).map_err(Failure::from)
     } else {
         arguments.refuse_for_table(path)?;
         let mut trials = read_trials(path)?;

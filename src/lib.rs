@@ -16,6 +16,7 @@ mod options;
 mod output;
 mod progress;
 
+use command::Overwrite;
 use failure::Failure;
 use progress::Shown;
 

@@ -158,7 +158,7 @@ impl TrialArguments {
     pub fn touch(&self) -> Result<TouchOptions, Failure> {
         let what = "the classifier touch, which learns from whole frames and their ground truth";
         self.refuse_but(&Self::OF_CONTACTS, what)?;
-        Ok(TouchOptions::of(self.patch.clone(), self.threshold_n()))
+        Ok(TouchOptions::of(self.patch.clone(), self.threshold_n))
     }
 
     /// Refuses all options, because a touch model knows its patch and threshold and judges frames.

@@ -12,7 +12,7 @@ use underbrush_recording::{escaped, is_plain};
 use underbrush_report::drawing::Rows;
 
 pub use underbrush_experiments::files::{create_parents, write as write_file};
-pub use underbrush_report::text::counted;
+pub use underbrush_report::counted;
 
 use crate::Failure;
 
@@ -97,6 +97,11 @@ pub fn csv<'a, T: Serialize>(
         return result(true, &BTreeMap::from([(key, things)]), String::new);
     }
     line(columns(Rows::of(things)).table("", "").csv().trim_end_matches('\n'))
+}
+
+/// A share in per cent, for people; `-` if it is not known.
+pub fn percent(share: impl Into<Option<f64>>) -> String {
+    share.into().map_or("-".into(), |share| format!("{:.1}", 100.0 * share))
 }
 
 /// A path as text in a result. Bytes that are not UTF-8 are replaced, which affects only what is shown.

@@ -12,7 +12,7 @@ use crate::model_file::Model;
 use crate::onnx::load as load_onnx;
 use crate::provenance::Provenance;
 use crate::touch::{TOUCH_FORMAT, TouchClassifier, TouchModel};
-use crate::{OnlineClassifier, OnlineError, OnlineOptions};
+use crate::{Decision, OnlineClassifier, OnlineError, OnlineOptions};
 
 /// A model of either kind.
 #[derive(Debug)]
@@ -106,6 +106,13 @@ pub enum OnlineJudge {
 }
 
 impl OnlineModel {
+    /// A classifier of trials, with its own decision. The patch is the first one and the threshold that of trials unless they
+    /// are given.
+    pub fn of_trials(model: Model, patch: Option<String>, threshold_n: Option<f64>) -> Self {
+        let decision = model.decision.clone().unwrap_or(Decision::argmax());
+        OnlineModel::OfTrials(Box::new(model), OnlineOptions::new(patch, threshold_n, decision))
+    }
+
     /// A touch model. It judges its own patch, so any other patch is refused.
     ///
     /// # Errors

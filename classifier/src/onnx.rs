@@ -21,7 +21,7 @@ use std::sync::Arc;
 
 use rten::{ModelMetadata, RunOptions, ThreadPool, Value as Tensor, ValueView};
 use serde_json::Value;
-use underbrush_recording::{InputError, JSON_BYTES, Sample, math, open_regular};
+use underbrush_recording::{InputError, JSON_BYTES, Sample, math, open_regular, stop::panic_text};
 
 use crate::estimator::{Classifier, ContactScorer, Independent, OnlineScorer};
 use crate::{FeatureError, FeatureSet, ModelError, SampleFault};
@@ -75,11 +75,10 @@ pub fn load(path: &Path) -> Result<Box<dyn Classifier>, InputError> {
 
 /// Runs a step of rten, and turns an error or a panic into text: bad input must never end the program.
 fn guarded<T, E: Display>(step: impl FnOnce() -> Result<T, E>) -> Result<T, String> {
-    let result = catch_unwind(AssertUnwindSafe(step)).map_err(|panic| {
-        let text = panic.downcast_ref::<String>().map(String::as_str);
-        text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("a failure that says nothing more").to_owned()
-    })?;
-    result.map_err(|error| error.to_string())
+    match catch_unwind(AssertUnwindSafe(step)) {
+        Ok(result) => result.map_err(|error| error.to_string()),
+        Err(panic) => Err(panic_text(panic.as_ref()).unwrap_or("a failure that says nothing more").to_owned()),
+    }
 }
 
 /// The values of an output, if it is a tensor of 32-bit floats.

@@ -4,17 +4,16 @@ use rayon::prelude::*;
 use underbrush_classifier::TrialError;
 use underbrush_classifier::trial::{Labels, TrialOptions, Unit, component_trials, environment, taxel_trials};
 use underbrush_recording::{Category, Dataset, Fault, Recording, Trial};
-use underbrush_sim::reach::ReachError;
 
 use crate::progress::Progress;
 
-/// The trials of one recording, numbered from `first`.
+/// The trials of one recording, numbered from 0.
 ///
 /// # Errors
 /// As [`taxel_trials`] and [`component_trials`].
-pub fn of_recording(recording: &Recording, options: &TrialOptions, first: u64) -> Result<Vec<Trial>, TrialError> {
+pub fn of_recording(recording: &Recording, options: &TrialOptions) -> Result<Vec<Trial>, TrialError> {
     warn_of_mixed(usize::from(is_mixed(recording, options)), 1);
-    cut(recording, options, first)
+    cut(recording, options)
 }
 
 /// Whether labels by environment were asked for, and this clutter has several categories.
@@ -32,23 +31,23 @@ fn warn_of_mixed(mixed: usize, all: usize) {
     }
 }
 
-fn cut(recording: &Recording, options: &TrialOptions, first: u64) -> Result<Vec<Trial>, TrialError> {
+/// As [`of_recording`], without a warning.
+pub(crate) fn cut(recording: &Recording, options: &TrialOptions) -> Result<Vec<Trial>, TrialError> {
     let found = match options.by {
         Unit::Taxel => taxel_trials(recording, options)?,
         Unit::Component => component_trials(recording, options)?,
     };
-    let trials = found.into_iter().map(|contact| contact.trial).zip(first..);
-    Ok(trials.map(|(trial, number)| Trial { trial: number, ..trial }).collect())
+    Ok(found.into_iter().map(|contact| contact.trial).collect())
 }
 
 /// The trials of all reaches of a data set. The reach of a trial is the index of its episode, because reaches of
 /// different scenes may share an index.
 ///
 /// # Errors
-/// If the set cannot be read or a reach cannot be cut; [`ReachError::Stopped`] if the user ends the run.
+/// If the set cannot be read or a reach cannot be cut; that of [`Progress::check_stopped`] if the user ends the run.
 pub fn of_dataset(dataset: &Dataset, options: &TrialOptions, progress: &dyn Progress) -> Result<Vec<Trial>, Fault> {
     let parts = each_episode(dataset, progress, |episode, recording| {
-        let trials = cut(recording, options, 0)?.into_iter();
+        let trials = cut(recording, options)?.into_iter();
         let trials: Vec<Trial> = trials.map(|trial| Trial { reach: Some(episode as u64), ..trial }).collect();
         Ok((is_mixed(recording, options), trials))
     })?;
@@ -60,7 +59,7 @@ pub fn of_dataset(dataset: &Dataset, options: &TrialOptions, progress: &dyn Prog
 /// Reads the reaches of a data set, several at a time, and returns what `each` makes of them, in their order.
 ///
 /// # Errors
-/// If the set cannot be read, and the errors of `each`; [`ReachError::Stopped`] if the user ends the run.
+/// If the set cannot be read, and the errors of `each`; that of [`Progress::check_stopped`] if the user ends the run.
 pub fn each_episode<T: Send>(
     dataset: &Dataset,
     progress: &dyn Progress,
@@ -69,9 +68,7 @@ pub fn each_episode<T: Send>(
     let episodes = 0..dataset.episodes().len();
     let count = progress.count("reaches read", episodes.len() as u64, 0);
     let read = |episode| {
-        if progress.is_stopped() {
-            return Err(ReachError::Stopped.into());
-        }
+        progress.check_stopped()?;
         let made = each(episode, &dataset.read_reach(episode)?)?;
         count.advance();
         Ok(made)

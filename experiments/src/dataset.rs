@@ -185,11 +185,6 @@ impl Campaign {
         each_reach(&self.plans()?, &self.jobs(), 0, progress, |_, recording| make(recording))
     }
 
-    /// Runs the campaign and returns its recordings in their order. They need about 10 MB per minute of simulated time.
-    pub fn recordings(&self, progress: &dyn Progress) -> Result<Vec<Recording>, Fault> {
-        self.each(progress, Ok)
-    }
-
     /// Whether a finished data set is what this campaign would make.
     pub fn has_made(&self, dataset: &Dataset) -> Result<bool, Fault> {
         Ok(self.plan(&self.plans()?, &self.jobs())?.provenance == dataset.plan().provenance)

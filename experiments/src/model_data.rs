@@ -35,7 +35,10 @@ pub fn of_path(path: &Path) -> Result<DataSource, DiskError> {
     }
     let (name, blake3) = (name(path), file_blake3(path)?);
     if !is_recording(path)? {
-        return Ok(DataSource { name, rate_hz: rate_hz(path)?, ..of_trials(blake3) });
+        let period_s = period_s(&read_trials(path)?).filter(|period_s| *period_s > 0.0);
+        // Times are rounded, and the rate is no closer. There is none if no trial has two samples.
+        let rate_hz = period_s.map(|period_s| (1e6 / period_s).round() / 1e6);
+        return Ok(DataSource { name, rate_hz, ..of_trials(blake3) });
     }
     Ok(DataSource { name, blake3, ..of_recording(&read_recording(path)?) })
 }
@@ -44,21 +47,6 @@ pub fn of_path(path: &Path) -> Result<DataSource, DiskError> {
 fn of_trials(blake3: String) -> DataSource {
     let reaches = BTreeMap::new();
     DataSource { kind: DataKind::Trials, name: None, blake3, seed: None, reaches, rate_hz: None }
-}
-
-/// Frames per second of a data set, a recording or a table of trials, Hz; `None` if no trial of the table has two samples.
-///
-/// # Errors
-/// [`DiskError`] if it cannot be read.
-pub fn rate_hz(path: &Path) -> Result<Option<f64>, DiskError> {
-    if is_folder(path)? {
-        return Ok(Some(Dataset::open(path)?.plan().rate_hz));
-    }
-    if is_recording(path)? {
-        return Ok(Some(read_recording(path)?.rate_hz));
-    }
-    // Times are rounded, and the rate is no closer.
-    Ok(period_s(&read_trials(path)?).filter(|period_s| *period_s > 0.0).map(|period_s| (1e6 / period_s).round() / 1e6))
 }
 
 /// Some reaches of a data set.

@@ -2,6 +2,7 @@
 
 use log::{LevelFilter, Log, Metadata, Record};
 use underbrush_recording::GoalOutcomes;
+use underbrush_sim::reach::ReachError;
 
 /// Receives the progress of a run. All calls may be ignored.
 ///
@@ -16,7 +17,6 @@ use underbrush_recording::GoalOutcomes;
 ///     fn stage(&self, name: &str) {
 ///         print!("\n{name} ");
 ///     }
-///     fn remark(&self, _: &str) {}
 ///     fn count(&self, _: &str, _: u64, _: u64) -> Box<dyn Counter> {
 ///         Box::new(Dots)
 ///     }
@@ -36,10 +36,10 @@ use underbrush_recording::GoalOutcomes;
 /// ```
 pub trait Progress: Sync {
     /// A stage begins.
-    fn stage(&self, name: &str);
+    fn stage(&self, _name: &str) {}
 
     /// A remark that the user should see.
-    fn remark(&self, text: &str);
+    fn remark(&self, _text: &str) {}
 
     /// A task of several steps begins, of which `done` are already complete. Dropping the counter ends the task.
     fn count(&self, things: &str, total: u64, done: u64) -> Box<dyn Counter>;
@@ -47,6 +47,14 @@ pub trait Progress: Sync {
     /// Whether the user wants the run to end now. Called in every frame of every reach of a campaign.
     fn is_stopped(&self) -> bool {
         false
+    }
+
+    /// Lets a run go on unless the user wants it to end.
+    ///
+    /// # Errors
+    /// [`ReachError::Stopped`].
+    fn check_stopped(&self) -> Result<(), ReachError> {
+        if self.is_stopped() { Err(ReachError::Stopped) } else { Ok(()) }
     }
 }
 
@@ -63,10 +71,6 @@ pub trait Counter: Send + Sync {
 pub struct Silent;
 
 impl Progress for Silent {
-    fn stage(&self, _: &str) {}
-
-    fn remark(&self, _: &str) {}
-
     fn count(&self, _: &str, _: u64, _: u64) -> Box<dyn Counter> {
         Box::new(Silent)
     }

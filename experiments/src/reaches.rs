@@ -71,13 +71,8 @@ impl Wanted {
     fn is(&self, recording: &Recording, options: &TrialOptions) -> Result<bool, Fault> {
         let patch = recording.layout.chosen_patch(options.patch.as_deref());
         // Contacts are sorted by their first frame.
-        let touched: Vec<Category> = recording
-            .contacts
-            .iter()
-            .filter(|contact| contact.patch.map(usize::from) == patch)
-            .filter_map(|contact| recording.objects.get(usize::from(contact.object)))
-            .map(|object| object.category)
-            .collect();
+        let contacts = recording.contacts.iter().filter(|contact| contact.patch.map(usize::from) == patch);
+        let touched: Vec<Category> = contacts.filter_map(|contact| recording.category_of(contact.object)).collect();
         Ok(match self {
             Wanted::Only(category) => {
                 let only = !touched.is_empty() && touched.iter().all(|other| other == category);

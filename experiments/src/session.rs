@@ -11,7 +11,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use underbrush_recording::Fault;
-use underbrush_sim::reach::ReachError;
 
 use crate::run_folder::{self, Plan};
 use crate::{Experiment, Progress};
@@ -30,8 +29,10 @@ pub struct Session<'a> {
     pub folder: &'a Path,
     /// Receives the progress.
     pub progress: &'a dyn Progress,
-    start: Instant,
-    stages: RefCell<Vec<(&'static str, f64)>>,
+    /// When it began.
+    pub(crate) start: Instant,
+    /// Wall time of each stage so far, s.
+    pub(crate) stages: RefCell<Vec<(&'static str, f64)>>,
     done: RefCell<HashMap<TypeId, Rc<dyn Any>>>,
 }
 
@@ -105,11 +106,9 @@ impl<'a> Session<'a> {
     /// Runs a stage of the work and measures its wall time.
     ///
     /// # Errors
-    /// Those of the work; [`ReachError::Stopped`] if the user ends the run.
+    /// Those of the work; that of [`Progress::check_stopped`] if the user ends the run.
     pub fn stage<T>(&self, name: &'static str, work: impl FnOnce() -> Result<T, Fault>) -> Result<T, Fault> {
-        if self.progress.is_stopped() {
-            return Err(ReachError::Stopped.into());
-        }
+        self.progress.check_stopped()?;
         let place = STAGES.iter().position(|stage| *stage == name);
         let place = place.map_or(String::new(), |place| format!("stage {} of {}: ", place + 1, STAGES.len()));
         self.progress.stage(&format!("{place}{name}"));
@@ -119,16 +118,6 @@ impl<'a> Session<'a> {
         self.progress.stage(&format!("  {seconds:.1} s"));
         self.stages.borrow_mut().push((name, seconds));
         Ok(result)
-    }
-
-    /// Wall time of each stage so far, s.
-    pub fn stages(&self) -> Vec<(&'static str, f64)> {
-        self.stages.borrow().clone()
-    }
-
-    /// Wall time so far, s.
-    pub fn wall_s(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
     }
 
     /// The plan of a seed, on which its cached results depend.

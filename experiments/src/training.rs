@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use underbrush_classifier::trial::{ContactTrial, Labels, TrialError, TrialOptions, component_trials, taxel_trials};
+use underbrush_classifier::trial::{Labels, TrialError, TrialOptions, Unit};
 use underbrush_recording::{Dataset, Fault, Recording, Trial};
 use underbrush_sim::scene::SceneFile;
 
@@ -85,12 +85,12 @@ pub fn campaign(
 impl Trials {
     /// The trials of one reach. A patch without a grid has no component trials.
     pub fn cut(recording: &Recording, options: &TrialOptions) -> Result<Self, TrialError> {
-        let plain = |found: Vec<ContactTrial>| found.into_iter().map(|contact| contact.trial).collect();
-        let component = match component_trials(recording, options) {
+        let of_unit = |by| contact_trials::cut(recording, &TrialOptions { by, ..options.clone() });
+        let component = match of_unit(Unit::Component) {
             Err(TrialError::NoGrid { .. }) => Vec::new(),
-            found => plain(found?),
+            found => found?,
         };
-        Ok(Trials { component, taxel: plain(taxel_trials(recording, options)?) })
+        Ok(Trials { component, taxel: of_unit(Unit::Taxel)? })
     }
 
     /// Appends the trials of the reach at a position of the campaign and continues their numbers.

@@ -68,7 +68,7 @@ impl VerdictControl {
 
     /// The true categories, which no robot knows. They bound what any model can gain.
     pub fn truth() -> Self {
-        VerdictControl::of(Judge::Truth)
+        VerdictControl { judge: Judge::Truth, asked_n: BTreeMap::new() }
     }
 
     /// Reads the file of a touch model. The forces are those of [`AllowedForces::default`].
@@ -86,11 +86,8 @@ impl VerdictControl {
     /// As [`VerdictControl::load`].
     pub fn from_json(path: &Path, text: &str) -> Result<Self, InputError> {
         let model = Arc::new(TouchModel::from_json(path, text)?);
-        Ok(VerdictControl::of(Judge::Model { model, blake3: blake3::hash(text.as_bytes()).to_hex().to_string() }))
-    }
-
-    fn of(judge: Judge) -> Self {
-        VerdictControl { judge, asked_n: BTreeMap::new() }
+        let judge = Judge::Model { model, blake3: blake3::hash(text.as_bytes()).to_hex().to_string() };
+        Ok(VerdictControl { judge, asked_n: BTreeMap::new() })
     }
 
     /// The same verdicts with these forces on categories, N, or on `unknown` objects, instead of the scene's.

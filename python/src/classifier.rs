@@ -9,9 +9,8 @@ use underbrush_classifier::touch::TOUCH_FORMAT;
 use underbrush_classifier::{Decision, FORMAT, Model, OnlineClassifier, OnlineOptions, Scores};
 use underbrush_recording::InputError;
 
-use crate::given::{self, decision, save};
 use crate::online::Online;
-use crate::{Answer, Failure, Skin, Trials, array, json, place, watched};
+use crate::{Answer, Failure, Skin, Trials, array, given, json, place, watched};
 
 /// A fitted classifier of trials, as a model file holds it.
 #[pyclass(frozen, name = "Model", module = "underbrush._core")]
@@ -38,7 +37,7 @@ impl PyModel {
     /// # Errors
     /// `Fault::Usage` if the rule does not fit the scores.
     pub fn deciding(&self, value: Option<&Bound<'_, PyAny>>) -> Result<Decision, Failure> {
-        decision(value, &Scores::of_model(&self.model))
+        given::decision(value, &Scores::of_model(&self.model))
     }
 }
 
@@ -71,7 +70,7 @@ impl PyModel {
     /// Write the model file. Only with ``force`` is a file overwritten.
     #[pyo3(signature = (path, *, force = false))]
     fn save(&self, path: PathBuf, force: bool) -> Result<(), Failure> {
-        save(&path, force, &self.to_json()?)
+        given::save(&path, force, &self.to_json()?)
     }
 
     /// Kind of classifier.

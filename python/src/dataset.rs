@@ -7,13 +7,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PySlice};
 use rayon::prelude::*;
 use underbrush_experiments::{contact_trials, model_data};
-use underbrush_recording::Fault;
-use underbrush_recording::disk::Dataset;
+use underbrush_recording::{Dataset, Fault};
 
-use crate::given::cutting;
 use crate::pool::{self, alone};
 use crate::reach::{Reach, Source};
-use crate::{Answer, Column, Failure, PyTable, Reported, Skin, Trials, array, json, place, places, watched};
+use crate::{Answer, Column, Failure, PyTable, Reported, Skin, Trials, array, given, json, place, places, watched};
 
 /// The absolute path of a set, so that it can still be read after the process has changed its working folder.
 pub fn lasting(path: &Path) -> Result<PathBuf, Failure> {
@@ -34,10 +32,6 @@ impl PyDataset {
 
     fn reach(&self, index: usize) -> Reach {
         Reach::new(Source::Dataset(Arc::clone(&self.dataset), index))
-    }
-
-    fn place(&self, index: isize) -> Result<usize, Failure> {
-        place(index, self.__len__())
     }
 }
 
@@ -71,7 +65,7 @@ impl PyDataset {
             return Ok(reaches.into_pyobject(py)?.into_any());
         }
         let index: isize = key.extract()?;
-        Ok(Bound::new(py, self.reach(self.place(index)?))?.into_any())
+        Ok(Bound::new(py, self.reach(place(index, self.__len__())?))?.into_any())
     }
 
     /// The skin, the same in every reach.
@@ -117,7 +111,7 @@ impl PyDataset {
     #[pyo3(signature = (name = "data", reach = None))]
     fn table(&self, py: Python<'_>, name: &str, reach: Option<isize>) -> Result<PyTable, Failure> {
         let places = match reach {
-            Some(reach) => vec![self.place(reach)?],
+            Some(reach) => vec![place(reach, self.__len__())?],
             None => (0..self.__len__()).collect(),
         };
         let read = || {
@@ -138,7 +132,7 @@ impl PyDataset {
     #[pyo3(signature = (**options), text_signature = "($self, *, by='taxel', patch=None, threshold_n=None, min_samples=1, \
                         labels='contact', wrap=None)")]
     fn trials(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> Result<Trials, Failure> {
-        let options = cutting(options)?;
+        let options = given::cutting(options)?;
         let cut = |reported: &Reported| Ok(contact_trials::of_dataset(&self.dataset, &options, reported)?);
         let list = watched(py, None, &Arc::default(), None, cut)?;
         let source = model_data::of_reaches(&self.dataset, self.dataset.episodes().iter());

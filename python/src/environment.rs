@@ -7,10 +7,8 @@ use pyo3::types::PyDict;
 use underbrush_sim::environment::{ActionKind, EnvironmentOptions, Environments, Part, Stepped};
 use underbrush_sim::{ControllerKind, ReachPlan};
 
-use crate::picture::{self, PyCamera};
 use crate::pool::{self, Helpers};
-use crate::scene::scene;
-use crate::{Failure, array, given, locked};
+use crate::{Failure, PyCamera, array, given, locked, picture, scene};
 
 /// Several environments that are stepped together.
 #[pyclass(frozen, name = "Environments", module = "underbrush._core")]

@@ -14,9 +14,8 @@ use underbrush_classifier::registry::{self, CLASSIFIERS};
 use underbrush_classifier::{Classifier, ClassifierKind, Estimator, HmmClassifier, Model, Recipe, Scores};
 use underbrush_experiments::model_data;
 
-use crate::given::{self, decision, features};
 use crate::python_classifier::{PythonClassifier, PythonEstimator};
-use crate::{Answer, Failure, PyModel, Stop, Trials, json, watched};
+use crate::{Answer, Failure, PyModel, Stop, Trials, given, json, watched};
 
 /// Options of a classifier.
 #[pyclass(frozen, module = "underbrush._core")]
@@ -65,7 +64,7 @@ impl Options {
         features: Option<&Bound<'_, PyAny>>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> Result<Self, Failure> {
-        Options::of(classifier, FitOptions { features: self::features(features)?, ..given::options(options)? })
+        Options::of(classifier, FitOptions { features: given::features(features)?, ..given::options(options)? })
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {
@@ -189,7 +188,7 @@ pub fn evaluate_trials<'py>(
         return judged(watched(py, jobs, &Arc::default(), None, |_| Ok(evaluate(model, list, &decision)?))?);
     }
     let scores = classifier.cast::<Options>().map_or_else(|_| Scores::of_any_kind(), |options| options.get().scores());
-    let decision = self::decision(decision, &scores)?;
+    let decision = given::decision(decision, &scores)?;
     if !classifier.hasattr("fit_trials")? && classifier.hasattr("scores")? {
         refuse("a fitted classifier", &of_fitting)?;
         let raised = Arc::default();

@@ -4,15 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use underbrush_experiments::audit;
 use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
-use underbrush_experiments::verdict_controller::VerdictControl;
-use underbrush_recording::disk::{Dataset, DiskError, Shard, Shards, check_not_input, remove_dataset};
+use underbrush_experiments::{VerdictControl, audit};
+use underbrush_recording::disk::{Dataset, DiskError, Shard, Shards, make_room};
 use underbrush_recording::stop;
 
 use crate::dataset::lasting;
-use crate::scene::scene;
-use crate::{Failure, PyDataset, Reported, Stop, controller, show_warning, watched};
+use crate::{Failure, PyDataset, Reported, Stop, controller, scene, show_warning, watched};
 
 /// Simulate many reaches and write them as a data set; if it is ``shared``, one part of them into a folder that all parts share.
 /// Then there is a set if no other part is at work and all reaches are there.
@@ -46,7 +44,7 @@ pub fn generate(
         return Ok(watched(py, jobs, &stop, progress, run)?.map(audited));
     }
     campaign.shard = part;
-    make_room(&out, &[], resume, force)?;
+    check_room(&out, &[], resume, force)?;
     write(py, &campaign, &out, resume, &stop, progress, jobs).map(Some)
 }
 
@@ -65,23 +63,19 @@ pub fn generate_again(
     let verdicts = verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten();
     let source = Dataset::open(&dataset)?;
     let campaign = Campaign::of(&source, verdicts)?;
-    make_room(&out, &[dataset], resume, force)?;
+    check_room(&out, &[dataset], resume, force)?;
     let made = write(py, &campaign, &out, resume, &Arc::default(), progress, jobs)?;
     require_same_reaches(&made.dataset, &source)?;
     Ok(made)
 }
 
-/// With `force`, removes the data set in a folder that is not one of the inputs.
-fn make_room(out: &Path, inputs: &[PathBuf], resume: bool, force: bool) -> Result<(), Failure> {
+/// With `force`, removes the data set in a folder that is not one of the inputs. It cannot be resumed then.
+fn check_room(out: &Path, inputs: &[PathBuf], resume: bool, force: bool) -> Result<(), Failure> {
     if resume && force {
         let allowed = "either resume or force";
         return Err(Failure::argument("force", "True with resume", allowed, "leave one out"));
     }
-    check_not_input(out, inputs)?;
-    if force {
-        remove_dataset(out)?;
-    }
-    Ok(())
+    Ok(make_room(out, inputs, force)?)
 }
 
 /// Part I of N, counted from 1.
@@ -151,7 +145,7 @@ pub fn merge(
     resume: bool,
     force: bool,
 ) -> Result<PyDataset, Failure> {
-    make_room(&out, &parts, resume, force)?;
+    check_room(&out, &parts, resume, force)?;
     let out = lasting(&out)?;
     let merge = |_: &_| match Shards::open(&parts)?.merge(&out, resume, stop::check) {
         // With `resume`, this means that the set has the same plan.

@@ -35,9 +35,10 @@ use classifier::PyModel;
 use dataset::PyDataset;
 use failure::{Answer, Failure, locked, place, places, show_warning};
 use frame::PyFrame;
+use picture::PyCamera;
 use pool::alone;
 use progress::{Reported, Stop, watched};
-use scene::PyScene;
+use scene::{PyScene, scene};
 use table::{Column, PyTable};
 use trials::Trials;
 

@@ -88,10 +88,9 @@ pub fn shown<'py>(py: Python<'py>, png: Vec<u8>) -> PyResult<Bound<'py, PyAny>> 
 
 /// A frame of a reach as PNG, or else the first of those in which the most taxels read a force.
 pub fn png_of(recording: &Recording, frame: Option<usize>) -> Result<Vec<u8>, Failure> {
-    let stage = replayed::stage(recording)?.with_arrows();
     let number = frame.unwrap_or_else(|| fullest(recording));
-    let scene = stage.moment(number as u32, frame_of(recording, number)?);
-    Ok(scene.png(&stage.camera(SHOWN.aspect()), SHOWN)?)
+    frame_of(recording, number)?;
+    Ok(replayed::png(recording, number, SHOWN)?)
 }
 
 /// A simulation as it is now, with arrows of the contact forces, as PNG.

@@ -141,8 +141,7 @@ pub fn guarded<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failur
         if panic.is::<stop::Stopped>() {
             return Err(Failure::run("the run was told to end"));
         }
-        let text = panic.downcast_ref::<String>().map(String::as_str);
-        let text = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
+        let text = stop::panic_text(panic.as_ref()).unwrap_or("no message");
         Err(Failure::run(format!("internal error: {text}; please report it with the call and its input")))
     })
 }

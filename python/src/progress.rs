@@ -59,8 +59,6 @@ impl Reported {
 }
 
 impl Progress for Reported {
-    fn stage(&self, _: &str) {}
-
     fn remark(&self, text: &str) {
         self.done.lock().remarks.push(text.to_owned());
     }

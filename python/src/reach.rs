@@ -17,13 +17,11 @@ use underbrush_recording::{Body, Recording, SkinLayout};
 use underbrush_render::Stage;
 use underbrush_sim::reach::ReachPlan;
 
-use crate::failure::{self, place};
-use crate::given::cutting;
-use crate::picture::{self, PyCamera};
-use crate::pool::{self, alone};
-use crate::scene::scene;
-use crate::table::{Column, PyTable, record_batch};
-use crate::{Answer, Failure, PyFrame, Skin, Stop, Trials, controller, json, patch_index, show_warning, watched};
+use crate::table::record_batch;
+use crate::{
+    Answer, Column, Failure, PyCamera, PyFrame, PyTable, Skin, Stop, Trials, alone, controller, given, json,
+    patch_index, picture, place, pool, scene, show_warning, watched,
+};
 
 /// Where a reach is stored.
 pub enum Source {
@@ -320,8 +318,8 @@ impl Reach {
     #[pyo3(signature = (**options), text_signature = "($self, *, by='taxel', patch=None, threshold_n=None, min_samples=1, \
                         labels='contact', wrap=None)")]
     fn trials(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> Result<Trials, Failure> {
-        let options = cutting(options)?;
-        let cut = || Ok(contact_trials::of_recording(&*self.recording()?, &options, 0)?);
+        let options = given::cutting(options)?;
+        let cut = || Ok(contact_trials::of_recording(&*self.recording()?, &options)?);
         let mut list = alone(py, cut)?;
         if let Source::Dataset(_, index) = self.source {
             list.iter_mut().for_each(|trial| trial.reach = Some(index as u64));
@@ -371,7 +369,7 @@ impl Reach {
             let found = "is another data set than the reach was pickled from; pickle it again";
             return Err(Failure::run(format!("{}: {found}", path.display())));
         }
-        failure::place(index as isize, dataset.episodes().len())?;
+        crate::place(index as isize, dataset.episodes().len())?;
         Ok(Reach::new(Source::Dataset(dataset, index)))
     }
 }

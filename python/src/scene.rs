@@ -9,9 +9,8 @@ use underbrush_sim::materials::MaterialFile;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::{Scene, shipped_by_name};
 
-use crate::picture::{self, PyCamera};
 use crate::pool::{alone, guarded};
-use crate::{Answer, Failure, array, given, json};
+use crate::{Answer, Failure, PyCamera, array, given, json, picture};
 
 /// A scene: the ranges from which the clutter of every reach is drawn.
 #[pyclass(frozen, name = "Scene", module = "underbrush._core")]

@@ -11,9 +11,7 @@ use underbrush_recording::SkinLayout;
 use underbrush_render::Stage;
 use underbrush_sim::{ReachPlan, Simulation};
 
-use crate::picture::{self, PyCamera};
-use crate::pool::{self, alone};
-use crate::{Answer, Failure, PyArm, PyFrame, Skin, array, locked, scene};
+use crate::{Answer, Failure, PyArm, PyCamera, PyFrame, Skin, alone, array, locked, picture, pool, scene};
 
 /// The arm in one draw of a scene, moved step by step.
 #[pyclass(frozen, name = "Simulation", module = "underbrush._core")]

@@ -15,10 +15,9 @@ use underbrush_experiments::model_data;
 use underbrush_recording::{Recording, stop};
 
 use crate::classifier::other_kind;
-use crate::given::save;
 use crate::online::Online;
 use crate::reach::Reach;
-use crate::{Answer, Failure, Skin, json, watched};
+use crate::{Answer, Failure, Skin, given, json, watched};
 
 /// A touch model: what presses on each taxel (nothing, a category, uncertain or unknown), in every frame.
 #[pyclass(frozen, name = "TouchModel", module = "underbrush._core")]
@@ -55,7 +54,7 @@ impl PyTouchModel {
         limit_wrong: Option<f64>,
         jobs: Option<usize>,
     ) -> Result<Self, Failure> {
-        let options = options(patch, threshold_n);
+        let options = TouchOptions::of(patch, threshold_n);
         let reaches = Given(&reaches);
         let auxiliary = Given(&auxiliary);
         let fit = |_: &_| {
@@ -86,7 +85,7 @@ impl PyTouchModel {
         limit_wrong: Option<f64>,
         jobs: Option<usize>,
     ) -> Answer<'py> {
-        let options = options(patch, threshold_n);
+        let options = TouchOptions::of(patch, threshold_n);
         let reaches = Given(&reaches);
         let fit = |examples: &TouchExamples| Ok(examples.fit(limit_wrong)?);
         let judge = |_: &_| cross_validate_touch(folds, options, &reaches, fit, Failure::from);
@@ -114,7 +113,7 @@ impl PyTouchModel {
     /// Write the model file. Only with ``force`` is a file overwritten.
     #[pyo3(signature = (path, *, force = false))]
     fn save(&self, path: PathBuf, force: bool) -> Result<(), Failure> {
-        save(&path, force, &self.to_json()?)
+        given::save(&path, force, &self.to_json()?)
     }
 
     /// The known categories in alphabetical order.
@@ -158,11 +157,6 @@ impl PyTouchModel {
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {
         Ok((py.get_type::<PyTouchModel>().getattr("from_json")?, (self.to_json()?,)))
     }
-}
-
-/// How readings become contacts.
-fn options(patch: Option<String>, threshold_n: Option<f64>) -> TouchOptions {
-    TouchOptions::of(patch, threshold_n.unwrap_or(TouchOptions::default().threshold_n))
 }
 
 /// Reaches that a caller gave.

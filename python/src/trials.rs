@@ -11,9 +11,8 @@ use underbrush_experiments::model_data;
 use underbrush_recording::disk::{DiskError, check_free, read_trials, trial_table, write_trials};
 use underbrush_recording::{Fault, Sample, Trial};
 
-use crate::given::features;
 use crate::sequences::{checked, of_sequences};
-use crate::{Answer, Failure, PyTable, alone, array, json, place, places};
+use crate::{Answer, Failure, PyTable, alone, array, given, json, place, places};
 
 /// Contact trials: what one taxel, or one connected component, sensed from the beginning of a contact to its end.
 #[pyclass(frozen, module = "underbrush._core")]
@@ -132,7 +131,7 @@ impl Trials {
         features: Option<&Bound<'_, PyAny>>,
         groups: Option<Vec<u64>>,
     ) -> Result<Self, Failure> {
-        let set = self::features(features)?.unwrap_or(FeatureSet::FORCE);
+        let set = given::features(features)?.unwrap_or(FeatureSet::FORCE);
         Ok(Trials::new(of_sequences(&sequences, &set, categories, groups)?))
     }
 
@@ -227,7 +226,7 @@ impl Trials {
         py: Python<'py>,
         features: Option<&Bound<'py, PyAny>>,
     ) -> Result<Vec<Bound<'py, PyAny>>, Failure> {
-        let set = self::features(features)?.unwrap_or(FeatureSet::FORCE);
+        let set = given::features(features)?.unwrap_or(FeatureSet::FORCE);
         let one = |trial: &Trial| {
             let observations = set.observations(trial, None)?;
             Ok(array::lend_rows(py, observations.samples().flatten().copied().collect(), set.dimension())?)

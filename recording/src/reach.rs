@@ -206,10 +206,14 @@ impl Recording {
         })
     }
 
+    /// The category of the object with this index; `None` if there is no such object.
+    pub fn category_of(&self, object: u16) -> Option<Category> {
+        self.objects.get(usize::from(object)).map(|object| object.category)
+    }
+
     /// The forces of the contacts with objects of this category, or with any object.
     pub fn contact_forces(&self, category: Option<Category>) -> ContactForces {
-        let of = |contact: &&Contact| self.objects.get(usize::from(contact.object)).map(|object| object.category);
-        let wanted = |contact: &&Contact| category.is_none() || of(contact) == category;
+        let wanted = |contact: &&Contact| category.is_none() || self.category_of(contact.object) == category;
         let (mut forces, mut frames, mut sum_n) = (ContactForces::default(), 0.0, 0.0);
         for contact in self.contacts.iter().filter(wanted) {
             let own_frames = f64::from(contact.last_frame - contact.first_frame + 1);

@@ -1,7 +1,8 @@
-//! Ends work that takes minutes before it is done.
+//! Ends work that takes minutes before it is done, and says what a panic that ended work was about.
 //!
 //! Such work calls [`check`] from time to time. A caller that may want to end it runs it on threads that [`listen`] to a flag.
 
+use std::any::Any;
 use std::cell::RefCell;
 use std::panic::resume_unwind;
 use std::sync::Arc;
@@ -38,4 +39,16 @@ pub fn check() {
     if FLAG.with_borrow(|flag| flag.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))) {
         resume_unwind(Box::new(Stopped));
     }
+}
+
+/// What a caught panic says, if it says anything.
+///
+/// ```
+/// use underbrush_recording::stop::panic_text;
+///
+/// let caught = std::panic::catch_unwind(|| panic!("{} apples", 2)).unwrap_err();
+/// assert_eq!(panic_text(caught.as_ref()), Some("2 apples"));
+/// ```
+pub fn panic_text(panic: &(dyn Any + Send)) -> Option<&str> {
+    panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied())
 }

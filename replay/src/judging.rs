@@ -4,7 +4,6 @@ use std::path::Path;
 
 use underbrush_classifier::any_model::{self, AnyModel, OnlineJudge, OnlineModel};
 use underbrush_classifier::online::OnlineError;
-use underbrush_classifier::{OnlineOptions, Scores};
 use underbrush_recording::{Fault, Frame, Recording, SkinLayout};
 
 use crate::Verdicts;
@@ -25,11 +24,7 @@ impl Judging {
     /// [`Fault::Input`] for a file that cannot be read or is invalid, and as [`OnlineModel::of_touch`].
     pub fn load(path: &Path, patch: Option<&str>) -> Result<Self, Fault> {
         let by = match any_model::load(path)? {
-            AnyModel::OfTrials(model) => {
-                let decision = Scores::of_model(&model).decision(None)?;
-                let options = OnlineOptions::new(patch.map(str::to_owned), None, decision);
-                OnlineModel::OfTrials(Box::new(model), options)
-            }
+            AnyModel::OfTrials(model) => OnlineModel::of_trials(model, patch.map(str::to_owned), None),
             AnyModel::Touch(model) => OnlineModel::of_touch(*model, patch)?,
         };
         Ok(Judging { name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(), by })

@@ -17,10 +17,13 @@ pub mod reproduction;
 pub mod section;
 mod style;
 pub mod suite_text;
-pub mod text;
 
 pub use style::{CategoryLooks, Look};
 
+use std::collections::BTreeMap;
+use std::fmt::Display;
+
+use underbrush_experiments::audit::Worst;
 use underbrush_experiments::experiment::training_data::Reaches;
 use underbrush_experiments::results::Results;
 use underbrush_recording::Fault;
@@ -28,7 +31,6 @@ use underbrush_recording::Fault;
 use accuracy_chart::{AccuracyChart, lowest, square_chart};
 use drawing::{Axis, Cell, Dash, Layer, Mark, Page, Point, Rows, Shape, Style, Table, chart, escape, joined, slug};
 use report::{ACCURACY_COLUMNS, ACCURACY_HEADINGS, Report, by_touch, campaigns_by_touch, possessive, seeds};
-use text::counted;
 
 /// A report, ready to be written.
 pub struct Written {
@@ -79,7 +81,7 @@ fn what_was_run(report: &mut Report) {
 fn terminal(report: &Report) -> String {
     let outcomes = &report.results.outcomes;
     let Reaches { count, simulated_s, ends, audit, .. } = &outcomes.training_data.reaches;
-    let (ends, audit, tables) = (ends.text(), text::audit(audit), &report.terminal);
+    let (ends, audit, tables) = (ends.text(), audit_text(audit), &report.terminal);
     let audit = audit.trim_end();
     let mut terminal =
         format!("{count} training reaches, {simulated_s:.0} s of simulated time\n{ends}\n{audit}\n\n{tables}");
@@ -92,6 +94,34 @@ fn terminal(report: &Report) -> String {
     }
     terminal.extend(section::table_one::choices(report).map(|text| text + "\n"));
     terminal + &format!("{:.0} s in all", report.results.timing.wall_s)
+}
+
+/// A number with its noun, such as "1 reach" or "2 reaches".
+///
+/// ```
+/// use underbrush_report::counted;
+///
+/// assert_eq!([1, 2].map(|count| counted(count, "reach", "reaches")), ["1 reach", "2 reaches"]);
+/// ```
+pub fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == N::from(1) { one } else { many })
+}
+
+/// The figures of an audit that pass their bounds as a table, or one line if none does.
+pub fn audit_text(worst: &BTreeMap<&'static str, Worst>) -> String {
+    let passed = worst.iter().filter_map(|(name, worst)| {
+        let bound = worst.bound.filter(|bound| worst.value > *bound)?;
+        Some((*name, worst, bound))
+    });
+    let rows = Rows::of(passed);
+    if rows.things().next().is_none() {
+        return "audit: within bounds\n".into();
+    }
+    rows.column("audit, beyond its bounds", |(name, ..)| name)
+        .column("value", |(_, worst, _)| format!("{:.1e}", worst.value))
+        .column("bound", |(.., bound)| format!("{bound:.1e}"))
+        .column("worst reach", |(_, worst, _)| format!("{} {}", worst.scene, worst.reach_index))
+        .text()
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use underbrush_classifier::{Decision, HmmClassifier, Model, Rule};
 use underbrush_experiments::experiment::example_trials;
 use underbrush_experiments::{Session, audit, files, frame_verdicts, online_models, reaches, training};
 use underbrush_recording::{Fault, Recording};
-use underbrush_render::{RenderError, Stage};
+use underbrush_render::{RenderError, Size, Stage};
 use underbrush_replay::{Held, Judging, JudgingModel, ReplayContext, Source, page_that_fits};
 use underbrush_sim::controller::ControllerKind;
 
@@ -26,6 +26,15 @@ pub fn known() -> ReplayContext {
 /// As [`Stage::of`].
 pub fn stage(recording: &Recording) -> Result<Stage<'_>, RenderError> {
     Stage::of(recording, force_limit_n(&recording.controller))
+}
+
+/// A frame of a recording with arrows of the contact forces, as PNG.
+///
+/// # Errors
+/// If it cannot be drawn.
+pub fn png(recording: &Recording, number: usize, size: Size) -> Result<Vec<u8>, RenderError> {
+    let stage = stage(recording)?.with_arrows();
+    stage.moment(number as u32, &recording.frames[number]).png(&stage.camera(size.aspect()), size)
 }
 
 /// The force limit of a controller that ships.

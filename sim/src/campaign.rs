@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use rayon::prelude::*;
-use underbrush_recording::{Fault, Recording};
+use underbrush_recording::{Fault, Recording, stop::panic_text};
 
 use crate::reach::{ReachError, ReachPlan};
 
@@ -69,15 +69,10 @@ pub fn run_until<T: Send, E: From<CampaignError> + Send>(
             scene: plan.scene.name.clone(),
             reach_index: job.reach_index,
             seed: plan.seed,
-            message: panic_message(panic.as_ref()),
+            message: panic_text(panic.as_ref()).unwrap_or("no message").to_owned(),
         })?;
         receive(position, reach.map_err(CampaignError::Reach)?)
     };
     // One job at a time: reaches differ tenfold in length, so larger batches would leave threads idle at the end.
     jobs.par_iter().with_max_len(1).enumerate().map(run).collect()
-}
-
-fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
-    let text = panic.downcast_ref::<String>().map(String::as_str);
-    text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no message").to_string()
 }

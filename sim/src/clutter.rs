@@ -1,8 +1,6 @@
 //! One concrete draw of a scene from a seed: the objects in their places, and the goals. It can be written as a scene file, which
 //! a person can edit.
 
-use std::path::Path;
-
 use glam::{DQuat, DVec3};
 use parry3d::shape::Cuboid;
 use toml::{Table, Value};
@@ -159,7 +157,7 @@ impl Clutter {
     /// for it, and the goals are listed. All else is that of `scene`, whose draw this clutter is, and so is the stream of
     /// random numbers: with the same seed and index of the reach the skin's noise is the same, too.
     ///
-    /// `arm` is the path of the arm's file as the new file has to name it. It is not used for an arm that ships.
+    /// An arm that does not ship is named by its absolute path, because the new file may be in another folder.
     ///
     /// ```
     /// use underbrush_sim::reach::ReachPlan;
@@ -167,17 +165,18 @@ impl Clutter {
     ///
     /// let plan = ReachPlan::new(Scene::open("trunk")?, None, 7)?;
     /// let drawn = plan.draw(0)?;
-    /// let arranged = Scene::parse("arranged.toml", drawn.arranged(&plan.scene, "".as_ref()))?;
+    /// let arranged = Scene::parse("arranged.toml", drawn.arranged(&plan.scene))?;
     /// // Whatever the seed, the trunks stand where they stood.
     /// let again = ReachPlan::new(arranged, None, 8)?.draw(3)?;
     /// assert_eq!(again.objects[0].foot_world, drawn.objects[0].foot_world);
     /// assert_eq!(again.goals, drawn.goals);
     /// # Ok::<(), underbrush_recording::InputError>(())
     /// ```
-    pub fn arranged(&self, scene: &Scene, arm: &Path) -> String {
+    pub fn arranged(&self, scene: &Scene) -> String {
         let mut table: Table = toml::from_str(&scene.text).unwrap_or_default();
         table.insert("stream".into(), scene.stream.clone().into());
-        if scene.file.arm != "cody" {
+        if let Some(arm) = scene.arm_path() {
+            let arm = std::path::absolute(&arm).unwrap_or(arm);
             table.insert("arm".into(), arm.to_string_lossy().into_owned().into());
         }
         let mut objects = Table::new();

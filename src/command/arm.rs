@@ -8,9 +8,7 @@ use underbrush_recording::disk::is_there;
 use underbrush_sim::arm::cover::{NewPatch, cover};
 use underbrush_sim::arm::new::{NewArm, new_files};
 
-use super::overwrite::Overwrite;
-use crate::options::pair;
-use crate::{Failure, output};
+use crate::{Failure, Overwrite, options, output};
 
 /// Options of `underbrush arm`.
 ///
@@ -92,7 +90,7 @@ struct SkinOptions {
 }
 
 fn package(text: &str) -> Result<(String, PathBuf), String> {
-    pair(text, '=').ok_or_else(|| "must be NAME=FOLDER, such as panda_description=robots/panda".into())
+    options::pair(text, '=').ok_or_else(|| "must be NAME=FOLDER, such as panda_description=robots/panda".into())
 }
 
 /// Makes the files.

@@ -1,13 +1,12 @@
 //! `underbrush arrange`: writes one draw of a scene as a scene file.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
 use underbrush_sim::{ReachPlan, Scene};
 
-use super::overwrite::Overwrite;
-use crate::{Failure, output};
+use crate::{Failure, Overwrite, output};
 
 /// Options of `underbrush arrange`.
 ///
@@ -47,14 +46,11 @@ pub fn run(options: ArrangeOptions, json: bool) -> Result<(), Failure> {
     overwrite.ending(&out, &["toml"], "a scene is a TOML file; choose such a name", [&scene])?;
     let plan = ReachPlan::new(Scene::open(&scene)?, None, seed)?;
     let clutter = plan.draw(index)?;
-    let folder = plan.scene.path.parent().unwrap_or(Path::new("."));
-    let arm =
-        std::path::absolute(folder.join(&plan.scene.file.arm)).unwrap_or_else(|_| plan.scene.file.arm.clone().into());
     let remark = format!(
         "# Reach {index} of the scene {} with seed {seed}, object by object. Lengths are in m, angles of `yaw_deg` in degrees.\n",
         plan.scene.name
     );
-    output::write_file(&out, (remark + &clutter.arranged(&plan.scene, &arm)).as_bytes())?;
+    output::write_file(&out, (remark + &clutter.arranged(&plan.scene)).as_bytes())?;
     let (objects, goals) = (clutter.objects.len(), clutter.goals.len());
     let report = Report { scene: plan.scene.name, seed, reach_index: index, objects, goals, file: out };
     output::result(json, &report, || {

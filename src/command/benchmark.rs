@@ -9,8 +9,7 @@ use underbrush_report::benchmark_text;
 use underbrush_sim::controller::ControllerKind;
 
 use super::overwrite::check_results_folder;
-use crate::options::named;
-use crate::{Failure, Shown, input, interrupt, output};
+use crate::{Failure, Shown, input, interrupt, options, output};
 
 /// Shown at the end of `underbrush benchmark --help`.
 const EXAMPLE: &str = "\
@@ -33,7 +32,7 @@ continues where it stopped. benchmarks/incidental-contact-2.md has the rules.";
 #[command(after_help = EXAMPLE)]
 pub struct BenchmarkOptions {
     /// What is measured
-    #[arg(value_parser = named::<String>(&[
+    #[arg(value_parser = options::named::<String>(&[
         ("verdicts", "What objects are, by the time since they were first felt, with objects that are unknown in training"),
         ("transfer", "What objects are, with another arm, speed or sensor than in training"),
         ("reaching", "How a controller reaches through clutter, and how hard it presses on trunks and leaves"),

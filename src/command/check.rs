@@ -6,8 +6,7 @@ use clap::Args;
 use underbrush_experiments::suite::Checked;
 use underbrush_report::suite_text;
 
-use super::overwrite::Overwrite;
-use crate::{Failure, Shown, output};
+use crate::{Failure, Overwrite, Shown, output};
 
 /// Shown at the end of `underbrush check --help`.
 const EXAMPLE: &str = "\

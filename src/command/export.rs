@@ -4,9 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::overwrite::Overwrite;
-use crate::Failure;
-use crate::options::named;
+use crate::{Failure, Overwrite, options};
 
 /// Options of `underbrush export`, which are those of the Python call.
 #[derive(Args)]
@@ -15,7 +13,7 @@ pub struct ExportOptions {
     #[arg(required = true, value_name = "DATA")]
     _data: Vec<PathBuf>,
     /// Format to write
-    #[arg(long, value_name = "FORMAT", value_parser = named::<String>(&[
+    #[arg(long, value_name = "FORMAT", value_parser = options::named::<String>(&[
         ("mcap", "For Foxglove; the same as python -m underbrush.mcap export"),
         ("ros2", "Bags of ROS 2; the same as python -m underbrush.ros2 export"),
         ("hdf5", "In the shape of robomimic's data sets; the same as python -m underbrush.hdf5 export"),

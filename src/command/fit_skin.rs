@@ -9,9 +9,7 @@ use serde::Serialize;
 use underbrush_exchange::press::{Estimate, PressFit, Punch, fit_press, read_press};
 use underbrush_sim::materials::{Constant, MaterialFile};
 
-use super::overwrite::Overwrite;
-use crate::options::number;
-use crate::{Failure, output};
+use crate::{Failure, Overwrite, options, output};
 
 /// Options of `underbrush fit-skin`.
 ///
@@ -37,7 +35,7 @@ pub struct FitSkinOptions {
 }
 
 fn positive() -> impl TypedValueParser<Value = f64> {
-    number(|value: &f64| value.is_finite() && *value > 0.0, "must be above 0")
+    options::number(|value: &f64| value.is_finite() && *value > 0.0, "must be above 0")
 }
 
 #[derive(Serialize)]

@@ -7,17 +7,15 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 use serde_json::json;
-use underbrush_experiments::audit::Ends;
-use underbrush_experiments::audit::{self, Worst};
+use underbrush_experiments::audit::{self, Ends, Worst};
 use underbrush_experiments::dataset::{Campaign, REACHES, Written, require_same_reaches};
-use underbrush_recording::disk::{Dataset, Shard};
-use underbrush_report::text;
+use underbrush_recording::disk::{Dataset, Shard, make_room};
+use underbrush_report::audit_text;
 use underbrush_sim::materials::MaterialFile;
 use underbrush_sim::{ControllerKind, Scene};
 
 use super::{Overwrite, VerdictArguments};
-use crate::options::{named, pair};
-use crate::{Failure, Shown, input, interrupt, output};
+use crate::{Failure, Shown, input, interrupt, options, output};
 
 /// Options of `underbrush generate`.
 #[derive(Args)]
@@ -46,7 +44,7 @@ pub struct GenerateOptions {
     verdicts: VerdictArguments,
     /// Draw constants of the contact for every reach, from the ranges of the file of materials, and store them with the
     /// objects. Objects and goals stay the same
-    #[arg(long, value_name = "WHAT", value_parser = named::<String>(&[("materials", "The constants of the file of materials")]))]
+    #[arg(long, value_name = "WHAT", value_parser = options::named::<String>(&[("materials", "The constants of the file of materials")]))]
     randomize: Option<String>,
     /// File of materials, as sim/materials.toml: its values replace those of arm and objects, or with --randomize its ranges
     #[arg(long, value_name = "FILE")]
@@ -67,7 +65,7 @@ pub struct GenerateOptions {
 }
 
 fn shard(text: &str) -> Result<Shard, String> {
-    let numbers = pair(text, '/').filter(|(index, count)| (1..=*count).contains(index));
+    let numbers = options::pair(text, '/').filter(|(index, count)| (1..=*count).contains(index));
     let shard = numbers.map(|(index, count)| Shard { index: index - 1, count });
     shard.ok_or_else(|| "must be I/N with 1 ≤ I ≤ N, such as 2/8".into())
 }
@@ -101,7 +99,7 @@ pub fn run(options: GenerateOptions, json: bool) -> Result<(), Failure> {
     };
     let out = &options.out;
     let model = options.verdicts.model();
-    options.overwrite.dataset(out, options.scenes.iter().chain(&options.from).chain(&model))?;
+    make_room(out, options.scenes.iter().chain(&options.from).chain(&model), options.overwrite.force)?;
     let again = if options.shared { "the same command again" } else { "the same command with --resume" };
     interrupt::kept("finished reaches are", out, again);
     let written = match options.shard.filter(|_| options.shared) {
@@ -183,7 +181,7 @@ impl Summary {
             format!("{ways} of {goals} goals{of} have a way round all fixed obstacles\n")
         });
         let (reaches, simulated_s) = (output::counted(self.reaches, "reach", "reaches"), self.simulated_s);
-        let (ends, audit, dataset) = (self.ends.text(), text::audit(&self.audit), self.dataset.display());
+        let (ends, audit, dataset) = (self.ends.text(), audit_text(&self.audit), self.dataset.display());
         format!("{reaches}, {simulated_s:.0} s of simulated time{pace}\n{ends}\n{ways}{audit}\ndata set in {dataset}")
     }
 }

@@ -9,8 +9,7 @@ use underbrush_exchange::import::{Mapping, import};
 use underbrush_recording::Recording;
 use underbrush_recording::disk::{UnfinishedFolder, check_free, write_recording, write_trials};
 
-use super::overwrite::Overwrite;
-use crate::{Failure, output};
+use crate::{Failure, Overwrite, output};
 
 /// Options of `underbrush import`.
 #[derive(Args)]

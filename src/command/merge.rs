@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use underbrush_recording::disk::{Dataset, DiskError, Shards};
+use underbrush_recording::disk::{Dataset, DiskError, Shards, make_room};
 
-use super::Overwrite;
 use super::generate::Summary;
-use crate::{Failure, interrupt, output, progress};
+use crate::{Failure, Overwrite, interrupt, output, progress};
 
 /// Options of `underbrush merge`.
 #[derive(Args)]
@@ -30,7 +29,7 @@ pub struct MergeOptions {
 pub fn run(options: MergeOptions, json: bool) -> Result<(), Failure> {
     let MergeOptions { parts, out, resume, overwrite } = options;
     let shards = Shards::open(&parts)?;
-    overwrite.dataset(&out, &parts)?;
+    make_room(&out, &parts, overwrite.force)?;
     interrupt::kept("what is complete is", &out, "the same command with --resume");
     let bar = progress::bar(shards.plan().episodes.len() as u64, "reaches");
     let dataset = match shards.merge(&out, resume, move || bar.inc(1)) {

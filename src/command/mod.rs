@@ -27,7 +27,8 @@ pub mod trials;
 pub mod validate;
 mod verdict_arguments;
 
+pub use overwrite::Overwrite;
+
 use estimator_arguments::EstimatorArguments;
-use overwrite::Overwrite;
 use picture::PictureArguments;
 use verdict_arguments::{DecisionArguments, VerdictArguments};

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use underbrush_recording::InputError;
-use underbrush_recording::disk::{Dataset, check_free, check_not_input, remove_dataset};
+use underbrush_recording::disk::{Dataset, check_free, check_not_input};
 
 use crate::{Failure, output};
 
@@ -44,16 +44,6 @@ impl Overwrite {
             return Err(InputError::new(path, "file name", format!("extension {own:?}"), allowed, remedy).into());
         }
         self.file(path, inputs)
-    }
-
-    /// Makes room for a data set in a folder that is not one of the inputs: with `--force`, removes the one that is
-    /// there. Otherwise the writer of the set refuses the folder.
-    pub fn dataset<'a>(self, folder: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Failure> {
-        check_not_input(folder, inputs)?;
-        if self.force {
-            remove_dataset(folder)?;
-        }
-        Ok(())
     }
 }
 

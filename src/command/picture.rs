@@ -12,9 +12,8 @@ use underbrush_report::replayed;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::scene::{Scene, SceneCamera};
 
-use super::overwrite::Overwrite;
 use crate::options::{number, pair};
-use crate::{Failure, output, progress};
+use crate::{Failure, Overwrite, output, progress};
 
 /// Size of a picture if nothing else is said.
 const SIZE: Size = Size { width: 1280, height: 720 };
@@ -174,10 +173,7 @@ impl PictureArguments {
 
 /// Draws the moment of a reach in which the most taxels read a force.
 pub fn write_fullest(recording: &Recording, path: &Path) -> Result<(), Failure> {
-    let stage = replayed::stage(recording)?.with_arrows();
-    let number = fullest(recording);
-    let scene = stage.moment(number as u32, &recording.frames[number]);
-    Ok(output::write_file(path, &scene.png(&stage.camera(SIZE.aspect()), SIZE)?)?)
+    Ok(output::write_file(path, &replayed::png(recording, fullest(recording), SIZE)?)?)
 }
 
 /// Draws an arm in its start posture.

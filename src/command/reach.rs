@@ -161,7 +161,7 @@ impl Report {
         let patch = layout.chosen_patch(options.patch.as_deref()).map(|index| &layout.patches[index]);
         let cut = |by| {
             let options = TrialOptions { by, ..options.clone() };
-            contact_trials::of_recording(recording, &options, 0).map(|trials| trials.len())
+            contact_trials::of_recording(recording, &options).map(|trials| trials.len())
         };
         let goal = |goal: &GoalRecord| Goal {
             outcome: goal.outcome.name(),

@@ -6,9 +6,8 @@ use clap::Args;
 use serde_json::json;
 use underbrush_recording::disk::write_trials;
 
-use super::overwrite::Overwrite;
 use crate::options::TrialArguments;
-use crate::{Failure, input, output};
+use crate::{Failure, Overwrite, input, output};
 
 /// Options of `underbrush trials`.
 #[derive(Args)]

@@ -9,8 +9,7 @@ use underbrush_classifier::{Decision, Rule, Scores};
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_sim::scene::limits::ALLOWED_FORCE_N;
 
-use crate::Failure;
-use crate::options::{self, pair};
+use crate::{Failure, options};
 
 /// How scores become verdicts.
 #[derive(Args, Serialize)]
@@ -39,7 +38,7 @@ enum DecisionName {
 }
 
 fn prior(text: &str) -> Result<(String, f64), String> {
-    pair(text, '=').ok_or_else(|| "must be CATEGORY=P, such as leaf=0.7".into())
+    options::pair(text, '=').ok_or_else(|| "must be CATEGORY=P, such as leaf=0.7".into())
 }
 
 /// The values of an option that is given for each category.
@@ -106,7 +105,7 @@ pub struct VerdictArguments {
 }
 
 fn allowed(text: &str) -> Result<(String, f64), String> {
-    let read = pair(text, '=').filter(|(_, force_n)| ALLOWED_FORCE_N.hold(*force_n));
+    let read = options::pair(text, '=').filter(|(_, force_n)| ALLOWED_FORCE_N.hold(*force_n));
     read.ok_or_else(|| format!("must be a category and a force of {ALLOWED_FORCE_N}, such as leaf=6"))
 }
 

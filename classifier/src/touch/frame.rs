@@ -30,13 +30,15 @@ pub struct TouchOptions {
 impl Default for TouchOptions {
     /// All patches, and the threshold of [`TrialOptions::default`].
     fn default() -> Self {
-        TouchOptions::of(None, TrialOptions::default().threshold_n)
+        TouchOptions::of(None, None)
     }
 }
 
 impl TouchOptions {
-    /// The named patch, or all patches; and the force above which a taxel is in contact, N.
-    pub fn of(patch: Option<String>, threshold_n: f64) -> Self {
+    /// The named patch, or all patches; and the force above which a taxel is in contact, N, or that of
+    /// [`TrialOptions::default`].
+    pub fn of(patch: Option<String>, threshold_n: Option<f64>) -> Self {
+        let threshold_n = threshold_n.unwrap_or(TrialOptions::default().threshold_n);
         TouchOptions { all_patches: patch.is_none(), patch, threshold_n }
     }
 

@@ -109,8 +109,7 @@ impl PatchImage {
 
     /// Ground truth: the category of the object that presses hardest on a taxel; `None` if nothing does.
     pub fn pressing(&self, taxel: usize, recording: &Recording) -> Option<Category> {
-        let object = self.object(taxel).filter(|_| self.is_touched(taxel))?;
-        Some(recording.objects.get(usize::from(object))?.category)
+        recording.category_of(self.object(taxel).filter(|_| self.is_touched(taxel))?)
     }
 
     /// Pose of the patch's link, world frame; the identity before the first frame is read.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use underbrush_classifier::any_model::{self, AnyModel, OnlineJudge, OnlineModel};
 use underbrush_classifier::evaluate::NOTHING;
 use underbrush_classifier::trial::PatchImage;
-use underbrush_classifier::{Decision, OnlineClassifier, OnlineError, OnlineOptions};
+use underbrush_classifier::{OnlineClassifier, OnlineError, OnlineOptions};
 use underbrush_recording::disk::file_blake3;
 use underbrush_recording::{Category, Fault, Frame, InputError, Recording, SkinLayout};
 
@@ -53,9 +53,7 @@ impl JudgedModel {
                 ("touch", OnlineModel::Touch(Arc::from(model)))
             }
             AnyModel::OfTrials(model) => {
-                let decision = model.decision.clone().unwrap_or(Decision::argmax());
-                let options = OnlineOptions::new(Some(FOREARM.to_owned()), Some(THRESHOLD_N), decision);
-                (model.classifier.name(), OnlineModel::OfTrials(Box::new(model), options))
+                (model.classifier.name(), OnlineModel::of_trials(model, Some(FOREARM.to_owned()), Some(THRESHOLD_N)))
             }
         };
         let categories = model.categories();
@@ -94,7 +92,7 @@ impl JudgedModel {
             images.iter().map(|image| vec![Class::Nothing; image.patch().taxels.len()]).collect();
         let mut logs: Vec<ObjectLog> = images.iter().map(|_| ObjectLog::new(standing)).collect();
         let mut frames = FrameCounts::default();
-        let category = |object: u16| recording.objects.get(usize::from(object)).map(|own| own.category);
+        let category = |object: u16| recording.category_of(object);
         for (index, frame) in recording.frames.iter().enumerate() {
             answers.iter_mut().for_each(|own| own.fill(Class::Nothing));
             Self::answer(&mut judging, &frame.sensed(), &images, &mut answers)?;

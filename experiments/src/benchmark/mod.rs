@@ -24,9 +24,8 @@ use underbrush_sim::scene::Scene;
 
 use crate::contact_trials::each_episode;
 use crate::dataset::{Campaign, PROGRAM_VERSION};
-use crate::files;
-use crate::progress::Progress;
 use crate::verdict_controller::{TRUTH, VerdictControl};
+use crate::{Progress, files};
 use counts::{Counts, FittedNothing, FrameCounts};
 use objects::END;
 

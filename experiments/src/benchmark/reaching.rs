@@ -60,8 +60,7 @@ impl Reach {
             }
         }
         for contact in &recording.contacts {
-            let object = recording.objects.get(usize::from(contact.object));
-            match object.map(|object| object.category) {
+            match recording.category_of(contact.object) {
                 Some(Category::TRUNK) => reach.trunk_peak_n = reach.trunk_peak_n.max(contact.peak_force_n),
                 Some(Category::LEAF) => {
                     let frames = f64::from(contact.last_frame - contact.first_frame + 1);
@@ -79,7 +78,7 @@ fn on_trunk_n(frame: &Frame, recording: &Recording) -> f64 {
     let mut forces: BTreeMap<_, Vec3> = BTreeMap::new();
     for contact in &frame.contact_points {
         let Some(object) = contact.object else { continue };
-        if recording.objects.get(usize::from(object)).is_some_and(|own| own.category == Category::TRUNK) {
+        if recording.category_of(object) == Some(Category::TRUNK) {
             *forces.entry((contact.link, contact.patch, object)).or_default() += contact.force_world;
         }
     }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use underbrush_recording::Fault;
 use underbrush_recording::disk::{Dataset, DatasetWriter, DiskError, Shard};
 use underbrush_sim::campaign::Job;
-use underbrush_sim::reach::{ReachError, ReachPlan};
+use underbrush_sim::reach::ReachPlan;
 
 use super::{Campaign, each_reach, say_doubts};
 use crate::progress::Progress;
@@ -73,9 +73,7 @@ impl Campaign {
                         progress.remark(&format!("{dir}: waiting for another process, which assembles the data set"));
                     }
                     waits = true;
-                    if progress.is_stopped() {
-                        return Err(ReachError::Stopped.into());
-                    }
+                    progress.check_stopped()?;
                     std::thread::sleep(WAIT);
                 }
                 writer => break writer?,

@@ -182,7 +182,7 @@ impl Experiment {
 
     /// The options for verdicts on each taxel: patch and threshold as for trials.
     pub fn touch_options(&self) -> TouchOptions {
-        TouchOptions::of(self.file.trials.patch.clone(), self.file.trials.threshold_n)
+        TouchOptions::of(self.file.trials.patch.clone(), Some(self.file.trials.threshold_n))
     }
 
     /// Labels of the training scenes, in their order.

@@ -11,9 +11,8 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde_json::{Map, Value, json};
 use toml::Spanned;
-use underbrush_classifier::any_model::OnlineModel;
-use underbrush_classifier::any_model::{self, AnyModel};
-use underbrush_classifier::{Decision, ModelError, OnlineOptions, Rule};
+use underbrush_classifier::any_model::{self, AnyModel, OnlineModel};
+use underbrush_classifier::{Decision, ModelError, Rule};
 use underbrush_recording::Fault;
 use underbrush_sim::controller::ControllerKind;
 
@@ -79,11 +78,10 @@ impl ModelSection {
                 }
                 Ok(OnlineModel::Touch(Arc::from(model)))
             }
-            AnyModel::OfTrials(model) => {
-                let mut decision = model.decision.clone().unwrap_or(Decision::argmax());
+            AnyModel::OfTrials(mut model) => {
+                let decision = model.decision.get_or_insert(Decision::argmax());
                 decision.rule = self.rule.unwrap_or(decision.rule);
-                let options = OnlineOptions::new(self.patch.clone(), self.threshold_n, decision);
-                Ok(OnlineModel::OfTrials(Box::new(model), options))
+                Ok(OnlineModel::of_trials(model, self.patch.clone(), self.threshold_n))
             }
         }
     }

@@ -246,9 +246,8 @@ fn force(reach: &Measured, category: Option<Category>, value: fn(&ContactForces)
 
 fn taxel_force_n(reach: &Measured, category: Option<Category>) -> Option<f64> {
     let category = category?;
-    let objects = &reach.recording.objects;
     let readings = reach.recording.frames.iter().flat_map(|frame| &frame.taxels);
-    let presses = |object: u16| objects.get(usize::from(object)).map(|own| own.category) == Some(category);
+    let presses = |object: u16| reach.recording.category_of(object) == Some(category);
     let pressed = readings.filter(|reading| reading.object.is_some_and(presses));
     pressed.map(|reading| reading.sensed_force_n).reduce(f64::max)
 }

@@ -145,16 +145,14 @@ impl Suite {
             result_of(scene, &own)
         };
         let scenes: Vec<SceneResult> = self.scenes.iter().enumerate().map(of_scene).collect();
-        let mut result = SuiteResult {
+        Ok(SuiteResult {
             suite: self.name.clone(),
             summary: self.file.summary.clone(),
             program_version: PROGRAM_VERSION.into(),
             seed: self.file.seed,
-            passed: true,
+            passed: scenes.iter().flat_map(|scene| &scene.bounds).all(|bound| bound.verdict == BoundVerdict::Holds),
             scenes,
-        };
-        result.passed = result.broken().count() == 0;
-        Ok(result)
+        })
     }
 
     /// Checks the values of a result against the bounds of this suite again, after its bounds have changed.

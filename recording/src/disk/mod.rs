@@ -26,7 +26,7 @@ mod unfinished;
 
 pub use dataset::{
     ArmText, Dataset, DatasetPlan, DatasetWriter, FileText, PlannedEpisode, Provenance, SceneText, Shard, Shards,
-    file_blake3, remove_dataset,
+    file_blake3, make_room,
 };
 pub use error::DiskError;
 pub use files::{check_free, check_not_input, is_folder, is_there, write_file};

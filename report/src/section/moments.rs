@@ -77,10 +77,7 @@ fn file(moment: &Moment, place: usize) -> String {
 /// If one cannot be drawn.
 pub fn pictures(outcome: &ReachMoments) -> Result<Vec<(String, Vec<u8>)>, RenderError> {
     let drawn = |(place, moment): (usize, &Moment)| {
-        let recording = &moment.recording;
-        let stage = replayed::stage(recording)?.with_arrows();
-        let scene = stage.moment(moment.frame_index as u32, moment.frame());
-        Ok((file(moment, place), scene.png(&stage.camera(SIZE.aspect()), SIZE)?))
+        Ok((file(moment, place), replayed::png(&moment.recording, moment.frame_index, SIZE)?))
     };
     outcome.all().enumerate().map(drawn).collect()
 }

@@ -264,7 +264,7 @@ fn an_arranged_scene_is_the_draw() {
     for (name, text) in crate::scene::shipped_by_name() {
         let plan = ReachPlan::new(Scene::parse(format!("{name}.toml"), text.into()).unwrap(), None, 5).unwrap();
         let drawn = plan.draw(2).unwrap();
-        let arranged = Scene::parse("arranged.toml", drawn.arranged(&plan.scene, "".as_ref())).unwrap();
+        let arranged = Scene::parse("arranged.toml", drawn.arranged(&plan.scene)).unwrap();
         let again = ReachPlan::new(arranged, None, 6).unwrap().draw(0).unwrap();
         let all = |clutter: &Clutter| -> Vec<_> {
             let one = |placed: &PlacedObject| {

@@ -92,7 +92,7 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
         return Err(Failure::usage(message));
     }
     if !options.reads_stdin() && is_there(&options.input)? {
-        let rate_hz = model_data::rate_hz(&options.input)?;
+        let rate_hz = model_data::of_path(&options.input)?.rate_hz;
         model.provenance().warn_of_rate(options.input.display(), rate_hz);
     }
     let model = match model {
@@ -108,8 +108,7 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
     if options.online || options.reads_stdin() {
         options.cut.refuse_online()?;
         let decision = options.decision.decision(&Scores::of_model(&model))?;
-        let settings =
-            OnlineOptions { patch: options.cut.patch.clone(), threshold_n: options.cut.threshold_n(), decision };
+        let settings = OnlineOptions::new(options.cut.patch.clone(), Some(options.cut.threshold_n()), decision);
         return online::run(&options, &OnlineModel::OfTrials(Box::new(model), settings));
     }
     let categories = model.classifier.categories();

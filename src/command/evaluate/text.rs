@@ -5,6 +5,8 @@ use underbrush_classifier::evaluate::{
 };
 use underbrush_report::drawing::Rows;
 
+use crate::output::percent;
+
 /// The whole evaluation.
 pub(super) fn of(results: &EvaluationReport) -> String {
     let mut text = results.comparison.as_deref().map(comparison).unwrap_or_default();
@@ -42,21 +44,13 @@ pub(super) fn of(results: &EvaluationReport) -> String {
     text
 }
 
-fn percent(fraction: f64) -> String {
-    format!("{:.1}", 100.0 * fraction)
-}
-
-fn maybe(fraction: Option<f64>) -> String {
-    fraction.map_or("-".into(), percent)
-}
-
 fn interval(ends: Interval) -> String {
     format!("{}-{}", percent(ends.low), percent(ends.high))
 }
 
 /// An accuracy, balanced accuracy and baseline in one cell.
 fn three(accuracy: f64, balanced: Option<f64>, baseline: f64) -> String {
-    format!("{} ({}, {})", percent(accuracy), maybe(balanced), percent(baseline))
+    format!("{} ({}, {})", percent(accuracy), percent(balanced), percent(baseline))
 }
 
 fn comparison(compared: &[Compared]) -> String {
@@ -65,7 +59,7 @@ fn comparison(compared: &[Compared]) -> String {
             Some(features) => format!("{} ({features})", own.classifier),
             None => own.classifier.to_owned(),
         })
-        .column("balanced accuracy %", |own| maybe(own.accuracy.balanced_accuracy))
+        .column("balanced accuracy %", |own| percent(own.accuracy.balanced_accuracy))
         .column("accuracy %", |own| percent(own.accuracy.accuracy))
         .column("95 % by reach", |own| own.interval_by_reach.map_or("-".into(), interval))
         .column("majority baseline %", |own| percent(own.accuracy.majority_baseline));
@@ -106,7 +100,7 @@ fn evaluation(evaluation: &Evaluation) -> String {
         .column("trials", |own| own.trials)
         .column("recall %", |own| percent(own.recall))
         .column("95 % interval", |own| interval(own.recall_interval))
-        .column("precision %", |own| maybe(own.precision))
+        .column("precision %", |own| percent(own.precision))
         .column("F1 %", |own| percent(own.f1))
         .text();
     text += "\n";
@@ -133,7 +127,7 @@ fn accuracies(evaluation: &Evaluation) -> String {
         .column("judged", |(name, _)| name)
         .column("trials", |(_, own)| own.trials)
         .column("accuracy %", |(_, own)| percent(own.accuracy))
-        .column("balanced accuracy %", |(_, own)| maybe(own.balanced_accuracy))
+        .column("balanced accuracy %", |(_, own)| percent(own.balanced_accuracy))
         .column("majority baseline %", |(_, own)| percent(own.majority_baseline))
         .text()
 }

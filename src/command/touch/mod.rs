@@ -1,18 +1,27 @@
-//! The classifier `touch`, which judges frames instead of trials: options and work of the commands that use it. Here are the options
-//! for turning probabilities into verdicts, and for how many bad ones a fitted model may give.
+//! The classifier `touch`, which judges frames instead of trials. First the options for turning probabilities into verdicts, and for
+//! how many bad ones a fitted model may give; then fitting and judging models, for `underbrush train` and `underbrush evaluate`.
+//! Scenes in place of data sets have reaches that are made for one training and then thrown away.
 
-mod fit;
 mod text;
+
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::TypedValueParser;
 use serde::Serialize;
-use underbrush_classifier::touch::TouchDecision;
+use serde_json::json;
+use underbrush_classifier::ModelError;
+use underbrush_classifier::evaluate::EvaluateError;
+use underbrush_classifier::evaluate::touch_folds::{add_auxiliary, cross_validate_touch, judge_touch, touch_examples};
+use underbrush_classifier::touch::{TouchDecision, TouchExamples, TouchModel, TouchOptions, TouchRows};
+use underbrush_experiments::dataset::{Campaign, REACHES};
+use underbrush_experiments::model_data;
+use underbrush_recording::disk::UnfinishedFolder;
+use underbrush_sim::scene::{Scene, shipped_by_name};
 
-use crate::Failure;
+use crate::input::{self, Reaches};
 use crate::options::{self, number};
-
-pub use fit::{Judge, SimulatedArguments, evaluate, train};
+use crate::{Failure, Shown, output};
 
 /// How probabilities become verdicts. Options that are not given stay as in the model.
 #[derive(Args, Clone, Debug, Serialize)]
@@ -69,4 +78,190 @@ impl RiskArguments {
     pub fn refuse(&self, reason: &str) -> Result<(), Failure> {
         options::refuse(options::given(self), reason)
     }
+}
+
+#[derive(Serialize)]
+struct Trained<'a> {
+    #[serde(serialize_with = "output::path")]
+    model: &'a Path,
+    classifier: &'static str,
+    categories: &'a [String],
+    rows: TouchRows,
+    /// The families of auxiliary unknown objects.
+    families: Vec<&'a str>,
+    decision: TouchDecision,
+}
+
+/// Fits a model to the reaches of these data sets and recordings and writes its file.
+pub fn train(
+    paths: &[PathBuf],
+    auxiliary: &[PathBuf],
+    options: &TouchOptions,
+    simulated: &SimulatedArguments,
+    limit_wrong: Option<f64>,
+    out: &Path,
+    json: bool,
+) -> Result<(), Failure> {
+    // Errors name what was given, and not the folder of sets that are simulated for this model only.
+    let given: Vec<PathBuf> = paths.iter().chain(auxiliary).cloned().collect();
+    let folder = simulated.folder(&given, out)?;
+    let sets = |paths: &[PathBuf], name| match &folder {
+        Some(folder) => simulated.sets(paths, &folder.path().join(name)),
+        None => Ok(paths.to_vec()),
+    };
+    let paths = &input::with_recordings(&sets(paths, "known")?)?;
+    let auxiliary = &input::with_recordings(&sets(auxiliary, "auxiliary")?)?;
+    let all: Vec<PathBuf> = paths.iter().chain(auxiliary).cloned().collect();
+    // The same set cannot be both, so all are opened together first.
+    Reaches::open(&all)?;
+    let mut examples = touch_examples(&Reaches::open(paths)?, options.clone())?;
+    if !auxiliary.is_empty() {
+        add_auxiliary(&mut examples, &Reaches::open(auxiliary)?)?;
+    }
+    let mut model = fit(&examples, options, limit_wrong).map_err(|failure| about(failure, &given))?;
+    model.warn_of_little_data();
+    let sources: Result<Vec<_>, _> = all.iter().map(|path| model_data::of_path(path)).collect();
+    model.provenance = model_data::provenance(json!({ "limit_wrong": limit_wrong }), sources?);
+    output::write_file(out, model.save_string()?.as_bytes())?;
+    let trained = Trained {
+        model: out,
+        classifier: "touch",
+        categories: model.categories(),
+        rows: examples.rows(),
+        families: model.families(),
+        decision: model.decision,
+    };
+    output::result(json, &trained, || {
+        text::rows(&trained.rows)
+            + &text::families(&trained.families)
+            + &text::decision(&trained.decision)
+            + &format!("Model written to {}", out.display())
+    })
+}
+
+/// A model fitted to these rows.
+fn fit(examples: &TouchExamples, options: &TouchOptions, limit_wrong: Option<f64>) -> Result<TouchModel, Failure> {
+    examples.fit(limit_wrong).map_err(|error| match error {
+        ModelError::NoCategories { .. } => {
+            let (place, other_patch) = match &options.patch {
+                None => ("the skin".to_owned(), ""),
+                Some(name) => (format!("patch {name}"), "choose another --patch, "),
+            };
+            Failure::usage(format!(
+                "nothing of a category to fit, such as leaf or trunk, touches {place} above {} N in {} reaches (blocks and \
+                 outliers are never fitted); lower --threshold-n, {other_patch}or generate more reaches",
+                options.threshold_n,
+                examples.rows().reaches
+            ))
+        }
+        other => other.into(),
+    })
+}
+
+/// Adds the path of the input to a failure, if there is only one input.
+fn about(failure: Failure, paths: &[PathBuf]) -> Failure {
+    match paths {
+        [path] => failure.about(path),
+        _ => failure,
+    }
+}
+
+/// What judges the reaches.
+pub enum Judge<'a> {
+    /// This model.
+    Model(Box<TouchModel>),
+    /// A model fitted to the reaches of these data sets and recordings.
+    FittedTo(&'a [PathBuf], TouchOptions),
+    /// The reaches are divided into this many parts, and each part is judged by a model fitted to the others.
+    Folds(usize, TouchOptions),
+}
+
+/// Judges reaches with ground truth, those of these data sets and recordings, and prints the figures. Models that are fitted
+/// keep the limit of wrong verdicts.
+pub fn evaluate(
+    paths: &[PathBuf],
+    judge: Judge<'_>,
+    limit_wrong: Option<f64>,
+    decision: &TouchDecisionArguments,
+    json: bool,
+) -> Result<(), Failure> {
+    let deciding = |mut model: TouchModel| {
+        model.decision = decision.over(model.decision);
+        model
+    };
+    let fitted = |examples: &TouchExamples, options: &TouchOptions, paths: &[PathBuf]| {
+        fit(examples, options, limit_wrong).map(deciding).map_err(|failure| about(failure, paths))
+    };
+    let reaches = Reaches::open(paths)?;
+    let report = match judge {
+        Judge::Model(model) => judge_touch(deciding(*model), &reaches)?,
+        Judge::FittedTo(training, options) => {
+            let examples = touch_examples(&Reaches::open(training)?, options.clone())?;
+            judge_touch(fitted(&examples, &options, training)?, &reaches)?
+        }
+        Judge::Folds(count, options) => {
+            // Failures that are about all reaches name the input.
+            let refused = |error: EvaluateError| match error {
+                EvaluateError::FoldCount { .. } => error.into(),
+                error => about(error.into(), paths),
+            };
+            let fit = |examples: &TouchExamples| fitted(examples, &options, paths);
+            cross_validate_touch(count, options.clone(), &reaches, fit, refused)?
+        }
+    };
+    output::result(json, &report, || text::evaluation(&report))
+}
+
+/// Options on scenes that are given in place of data sets.
+#[derive(Args)]
+pub struct SimulatedArguments {
+    /// With --classifier touch and scenes in place of data sets: simulate this many reaches of each scene
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(REACHES))]
+    reaches: Option<u64>,
+    /// Seed of these reaches, as for `underbrush generate`
+    #[arg(long, default_value_t = 0, value_name = "N", requires = "reaches")]
+    seed: u64,
+}
+
+impl SimulatedArguments {
+    /// Refuses these options, for a reason.
+    pub fn refuse(&self, reason: &str) -> Result<(), Failure> {
+        options::refuse(self.reaches.map(|_| "--reaches".to_owned()), reason)
+    }
+
+    /// The paths with one data set, which is made in the folder, in place of all scenes.
+    fn sets(&self, paths: &[PathBuf], folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+        let (scenes, mut sets): (Vec<PathBuf>, Vec<PathBuf>) = paths.iter().cloned().partition(|path| is_scene(path));
+        if let Some(scene) = scenes.first() {
+            let reaches = self.reaches.ok_or_else(|| {
+                let text = "is a scene; say with --reaches how many of its reaches to simulate and train on";
+                Failure::usage(format!("{} {text}", scene.display()))
+            })?;
+            let scenes: Result<Vec<Scene>, _> = scenes.iter().map(Scene::open).collect();
+            Campaign::new(scenes?, reaches, self.seed)?.write(folder, false, &Shown)?;
+            sets.push(folder.to_owned());
+        }
+        Ok(sets)
+    }
+
+    /// A folder for the sets beside the model file; `None` if no path is a scene. A wrong name is refused here, before any
+    /// scene is simulated.
+    fn folder(&self, paths: &[PathBuf], out: &Path) -> Result<Option<UnfinishedFolder>, Failure> {
+        let allowed = "data sets (folders), recordings (.parquet) or, with --reaches, scenes";
+        paths.iter().filter(|path| !is_scene(path)).try_for_each(|path| input::check_exists(path, allowed))?;
+        if !paths.iter().any(|path| is_scene(path)) {
+            self.refuse("applies to scenes in place of data sets")?;
+            return Ok(None);
+        }
+        let beside = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = UnfinishedFolder::within(beside);
+        let cannot = |error| Failure::run(format!("{}: no folder can be made in it: {error}", beside.display()));
+        folder.map(Some).map_err(cannot)
+    }
+}
+
+/// Whether this is a scene file or the name of a scene that ships. A data set of that name comes first.
+fn is_scene(path: &Path) -> bool {
+    let ships = || shipped_by_name().any(|(name, _)| path == Path::new(name));
+    path.extension().is_some_and(|ending| ending == "toml") || (!path.exists() && ships())
 }

@@ -5,7 +5,7 @@ use underbrush_classifier::evaluate::{Interval, ReachFigures, StiffnessFigures, 
 use underbrush_classifier::touch::{TouchDecision, TouchRows};
 use underbrush_report::drawing::Rows;
 
-use crate::output;
+use crate::output::{self, percent};
 
 /// What a model was fitted to.
 pub(super) fn rows(rows: &TouchRows) -> String {
@@ -38,10 +38,6 @@ pub(super) fn decision(decision: &TouchDecision) -> String {
         100.0 * unknown_share,
         1.0 - cost_of_uncertain
     )
-}
-
-fn percent(share: Option<f64>) -> String {
-    share.map_or("-".into(), |share| format!("{:.1}", 100.0 * share))
 }
 
 fn number(value: Option<f64>) -> String {

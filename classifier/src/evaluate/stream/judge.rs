@@ -126,8 +126,8 @@ impl Stream {
             self.seconds.push(start.elapsed().as_secs_f64());
             let readings = frame.taxels.iter().filter(|reading| patches.contains(&usize::from(reading.patch)));
             let pressing = readings.filter_map(|reading| {
-                let object = recording.objects.get(usize::from(reading.object?))?;
-                Some(((usize::from(reading.patch), usize::from(reading.taxel)), object.category))
+                let category = recording.category_of(reading.object?)?;
+                Some(((usize::from(reading.patch), usize::from(reading.taxel)), category))
             });
             let pressing: Pressing = pressing.collect();
             self.observe(frame.time_s, &judged, &pressing, truth, &mut last);

@@ -29,7 +29,7 @@ pub(in crate::touch) fn add_votes(votes: &mut Votes, tracker: &SkinTracker, regi
 /// The true object that most of the force comes from, this force, N, and its category.
 pub(crate) fn strongest(votes: &Votes, recording: &Recording) -> Option<(u16, f64, Category)> {
     let (object, force_n) = largest(votes.iter().map(|(object, force_n)| (*object, *force_n)))?;
-    Some((object, force_n, recording.objects.get(usize::from(object))?.category))
+    Some((object, force_n, recording.category_of(object)?))
 }
 
 /// What is kept of each object of a recording, with the votes for what it truly is.

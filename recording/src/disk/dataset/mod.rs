@@ -25,7 +25,7 @@ mod staging;
 pub use checksums::file_blake3;
 pub use plan::{ArmText, DatasetPlan, FileText, PlannedEpisode, Provenance, SceneText, Shard};
 pub use reader::Dataset;
-pub use staging::folder::remove_dataset;
+pub use staging::folder::make_room;
 pub use staging::parts::Shards;
 #[cfg(test)]
 pub(super) use staging::table_files::ROWS_PER_GROUP;

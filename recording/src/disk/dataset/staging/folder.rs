@@ -11,7 +11,7 @@ use crate::disk::dataset::info::{MEGABYTES_PER_FILE, read_json};
 use crate::disk::dataset::plan::first_difference;
 use crate::disk::dataset::{Dataset, DatasetPlan, names};
 use crate::disk::files::{
-    TEMPORARY_PREFIX, is_there, json_bytes, metadata, remove_if_there, sync_folder, write_new_bytes,
+    TEMPORARY_PREFIX, check_not_input, is_there, json_bytes, metadata, remove_if_there, sync_folder, write_new_bytes,
 };
 use crate::{DiskError, InputError};
 
@@ -137,13 +137,17 @@ fn require_same(dir: &Path, stored: &Value, plan: &DatasetPlan) -> Result<(), Di
     }
 }
 
-/// Removes the data set in a folder, finished or not, so that another one can be written there. Where there is none,
-/// nothing is removed.
+/// Makes room for a data set in a folder that is not one of the inputs: with `force`, removes the one that is there, finished
+/// or not. Where there is none, nothing is removed. Without `force` the writer of the set refuses the folder.
 ///
 /// # Errors
-/// [`DiskError::Input`] if the folder holds anything else, which then stays, as does the set; [`DiskError::InUse`] while
-/// a process writes the set; [`DiskError::Io`] if it cannot be removed.
-pub fn remove_dataset(dir: &Path) -> Result<(), DiskError> {
+/// [`DiskError::Input`] for one of the inputs, or if the folder holds anything else, which then stays, as does the set;
+/// [`DiskError::InUse`] while a process writes the set; [`DiskError::Io`] if it cannot be removed.
+pub fn make_room<'a>(dir: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Result<(), DiskError> {
+    check_not_input(dir, inputs)?;
+    if !force {
+        return Ok(());
+    }
     let _lock = match look(dir)? {
         Folder::Empty | Folder::Foreign => return Ok(()),
         Folder::Begun => {
