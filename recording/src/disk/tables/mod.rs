@@ -24,9 +24,11 @@ use self::truth_tables::{
 use super::table::{COLUMNS_KEY, Column, Described, Row, Type};
 use crate::{Category, Recording};
 
-/// The tables with rows for every reach beside the frames: ground truth, and what the controller believed. Each stands
-/// with the function that makes its columns for an episode.
-pub(super) const FURTHER: [(&Table, fn(usize, &Recording) -> Vec<Column>); 9] = [
+/// Makes the columns of a table for an episode.
+type Columns = fn(usize, &Recording) -> Vec<Column>;
+
+/// The tables with rows for every reach beside the frames: ground truth, and what the controller believed.
+pub(super) const FURTHER: [(&Table, Columns); 9] = [
     (&TRUTH_TAXELS, |episode, recording| Row::write(&taxel_rows(episode, recording))),
     (&TRUTH_PATCHES, |episode, recording| Row::write(&patch_rows(episode, recording))),
     (&TRUTH_OBJECTS, |episode, recording| Row::write(&object_rows(episode, recording))),
