@@ -203,9 +203,12 @@ impl EvaluateOptions {
     /// that on training data.
     fn check_apart(&self) -> Result<(), Failure> {
         let Some(train) = &self.train else { return Ok(()) };
-        let fitted = content(train)?.blake3;
-        for path in &self.trials {
-            if content(path)?.blake3 == fitted {
+        let hashes = |paths: &[PathBuf]| -> Result<Vec<String>, Failure> {
+            input::with_recordings(paths)?.iter().map(|path| Ok(content(path)?.blake3)).collect()
+        };
+        let tested = hashes(&self.trials)?;
+        for fitted in hashes(std::slice::from_ref(train))? {
+            if tested.contains(&fitted) {
                 let found = "the same data to fit on and to test on";
                 let allowed = "other data than TRIALS, because the accuracy on data that were fitted to is too high";
                 let remedy = "give other data, or leave out --train to cross-validate";
@@ -218,7 +221,7 @@ impl EvaluateOptions {
     /// Warns of a model that was fitted to the trials, or to frames of another rate.
     fn warn_of_data(&self, provenance: &Provenance) -> Result<(), Failure> {
         let mut has_warned = false;
-        for path in &self.trials {
+        for path in &input::with_recordings(&self.trials)? {
             let own = content(path)?;
             has_warned = has_warned || provenance.warn_of_rate(path.display(), own.rate_hz);
             if provenance.data.iter().any(|data| data.blake3 == own.blake3) {
