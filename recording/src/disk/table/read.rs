@@ -311,54 +311,78 @@ struct Source {
     level: i16,
 }
 
+/// For each value or gap, its definition level, which says whether it is there, and its repetition level, which is 0 where a row
+/// begins.
+type Levels = [Vec<i16>; 2];
+
 impl Source {
-    /// The next rows, each with its values. Parquet stores values without the missing ones, with the levels that say
-    /// which are missing and where rows begin. It is an error if `convert` does not accept a value.
+    /// The next rows, each with its values. It is an error if `convert` does not accept a value. Of the three steps only one
+    /// depends on both types, and on `convert`, so that little is compiled for each pair of them.
     fn read<D: DataType, V: Value>(
         &self,
         from: &mut ColumnReaderImpl<D>,
         rows: usize,
         convert: impl FnMut(D::T) -> Option<V>,
     ) -> Result<(Values, Rows), DiskError> {
+        let (values, levels) = self.stored(from, rows)?;
+        let values: Option<Vec<V>> = values.into_iter().map(convert).collect();
+        let spread = values.ok_or("values of another type").and_then(|values| spread(values, levels, self.level, rows));
+        spread.map_err(|found| unknown(&self.file.path, &self.name, found))
+    }
+
+    /// The next rows as Parquet stores them: without the missing values, with the levels that say which are missing and where
+    /// rows begin.
+    fn stored<D: DataType>(
+        &self,
+        from: &mut ColumnReaderImpl<D>,
+        rows: usize,
+    ) -> Result<(Vec<D::T>, Levels), DiskError> {
         let (mut values, mut definition, mut repetition) = (Vec::new(), Vec::new(), Vec::new());
         let step = || from.read_records(rows, Some(&mut definition), Some(&mut repetition), &mut values);
         let (found, ..) = self.file.decode(step)?;
         if found != rows {
             return Err(broken(&self.file.path, format!("{found} of {rows} rows in the column {}", self.name)));
         }
-        let refused = |found| unknown(&self.file.path, &self.name, found);
-        let values: Option<Vec<V>> = values.into_iter().map(convert).collect();
-        let values = values.ok_or_else(|| refused("values of another type"))?;
-        // Columns without missing values may have no levels.
-        if self.level == 0 || (self.level == 1 && values.len() == definition.len()) {
-            return Ok((V::all(values), Rows::Fixed(1)));
-        }
-        if self.level == 1 {
-            let mut there = values.into_iter();
-            let value = |found: &i16| if *found == 1 { there.next() } else { None };
-            let spread: Vec<Option<V>> = definition.iter().map(value).collect();
-            let present = spread.iter().map(Option::is_some).collect();
-            let values = spread.into_iter().map(Option::unwrap_or_default).collect();
-            return Ok((V::all(values), Rows::Optional(present)));
-        }
-        let (mut ends, mut present) = (Vec::with_capacity(rows), Vec::with_capacity(rows));
-        let mut end = 0;
-        for (definition, repetition) in definition.iter().zip(&repetition) {
-            if *repetition == 0 {
-                ends.push(end);
-                present.push(*definition > 0);
-            }
-            match definition {
-                3 => end += 1,
-                2 => return Err(refused("lists with nulls")),
-                _ => {}
-            }
-            if let Some(last) = ends.last_mut() {
-                *last = end;
-            }
-        }
-        Ok((V::all(values), Rows::Lists { ends, present }))
+        Ok((values, [definition, repetition]))
     }
+}
+
+/// The values row by row. `level` is the definition level of a present value.
+fn spread<V: Value>(
+    values: Vec<V>,
+    [definition, repetition]: Levels,
+    level: i16,
+    rows: usize,
+) -> Result<(Values, Rows), &'static str> {
+    // Columns without missing values may have no levels.
+    if level == 0 || (level == 1 && values.len() == definition.len()) {
+        return Ok((V::all(values), Rows::Fixed(1)));
+    }
+    if level == 1 {
+        let mut there = values.into_iter();
+        let value = |found: &i16| if *found == 1 { there.next() } else { None };
+        let spread: Vec<Option<V>> = definition.iter().map(value).collect();
+        let present = spread.iter().map(Option::is_some).collect();
+        let values = spread.into_iter().map(Option::unwrap_or_default).collect();
+        return Ok((V::all(values), Rows::Optional(present)));
+    }
+    let (mut ends, mut present) = (Vec::with_capacity(rows), Vec::with_capacity(rows));
+    let mut end = 0;
+    for (definition, repetition) in definition.iter().zip(&repetition) {
+        if *repetition == 0 {
+            ends.push(end);
+            present.push(*definition > 0);
+        }
+        match definition {
+            3 => end += 1,
+            2 => return Err("lists with nulls"),
+            _ => {}
+        }
+        if let Some(last) = ends.last_mut() {
+            *last = end;
+        }
+    }
+    Ok((V::all(values), Rows::Lists { ends, present }))
 }
 
 /// The error for a column of a type that is not supported.
