@@ -81,7 +81,7 @@ pub struct EchoStateNetwork {
     pub penalty: f64,
 }
 
-/// The options without any wishes of the caller.
+/// The default options.
 const DEFAULT: EchoStateNetwork =
     EchoStateNetwork { features: FeatureSet::FORCE_AND_MOTION, units: 60, leak: 0.1, penalty: 1e-6 };
 

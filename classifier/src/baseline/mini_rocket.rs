@@ -75,7 +75,7 @@ pub struct MiniRocket {
     pub penalty: f64,
 }
 
-/// The options without any wishes of the caller.
+/// The default options.
 const DEFAULT: MiniRocket = MiniRocket { features: TAXEL_AND_REGION, thresholds: 1008, penalty: 1.0 };
 
 impl Default for MiniRocket {

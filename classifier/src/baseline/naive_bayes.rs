@@ -79,7 +79,7 @@ impl NaiveBayes {
     }
 }
 
-/// The options without any wishes of the caller.
+/// The default options.
 const DEFAULT: NaiveBayes = NaiveBayes { features: FeatureSet::FORCE_AND_MOTION, only_peak_force: false };
 
 impl Default for NaiveBayes {

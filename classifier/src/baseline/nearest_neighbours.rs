@@ -79,7 +79,7 @@ pub struct NearestNeighbours {
     pub explained: f64,
 }
 
-/// The options without any wishes of the caller.
+/// The default options.
 const DEFAULT: NearestNeighbours = NearestNeighbours {
     features: FeatureSet::new([&FORCE, &AREA, &MOTION]),
     window: 50,
