@@ -1,6 +1,6 @@
 //! The unknowns of a step: for each tree that something may touch, the coordinates that a contact can push directly. Those
-//! behind them, such as the tip of a leaf that is touched near its root, follow from these without iteration. And the end stops
-//! of joints, as rows of the contact solver.
+//! behind them, such as the tip of a leaf that is touched near its root, follow from these without iteration. The end
+//! stops of joints become rows of the contact solver here, too.
 
 use super::Scene;
 use super::candidate::Candidate;
