@@ -83,7 +83,6 @@ mod seal;
 pub mod stream_feature;
 pub mod touch;
 pub mod trial;
-mod vector;
 
 pub use decision::{Decision, Rule};
 pub use document::{Document, FORMAT};

@@ -277,8 +277,7 @@ fn rows(samples: &[PressSample]) -> Vec<Row> {
 
 /// Whether the punch only pressed at one speed.
 fn has_one_speed(rows: &[Row]) -> bool {
-    let mut speeds: Vec<f64> = rows.iter().map(|row| row.speed_m_per_s).collect();
-    speeds.sort_by(f64::total_cmp);
+    let speeds = math::sorted(rows.iter().map(|row| row.speed_m_per_s).collect());
     let [low, median, high] = [1, 5, 9].map(|tenths| speeds[(speeds.len() - 1) * tenths / 10]);
     high - low < ONE_SPEED * median.abs()
 }

@@ -4,6 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use underbrush_recording::math;
 
 /// Number of resamples behind an interval.
 const RESAMPLES: usize = 1000;
@@ -52,8 +53,7 @@ impl Estimate {
             let drawn = groups.iter().map(|own| (0..own.len()).map(|_| &own[draw(own)]).collect());
             statistic(&drawn.collect::<Vec<Vec<&R>>>())
         };
-        let mut values: Vec<f64> = (0..RESAMPLES).into_par_iter().filter_map(resample).collect();
-        values.sort_by(f64::total_cmp);
+        let values = math::sorted((0..RESAMPLES).into_par_iter().filter_map(resample).collect());
         let quantile = |share: f64| values[(share * (values.len() - 1) as f64).round() as usize];
         Estimate {
             value: Some(value),

@@ -25,6 +25,7 @@ pub mod stop;
 #[cfg(feature = "toml")]
 pub mod toml_text;
 pub mod trial;
+pub mod vector;
 
 pub use audit::{Audit, AuditField};
 pub use body::{Body, BodyOwner, BodyPart, BodyShape, MappedObstacle, ObstacleKind, TrackPoint};

@@ -10,9 +10,25 @@ pub use libm::{
     pow as powf, sin, sincos as sin_cos, tanh,
 };
 
+/// Mantissa (1 … 2) and exponent of a positive number that is not subnormal.
+#[inline(always)]
+pub fn parts(x: f64) -> (f64, f64) {
+    let bits = x.to_bits();
+    let mantissa = f64::from_bits(bits & 0x000f_ffff_ffff_ffff | 0x3ff0_0000_0000_0000);
+    // The exponent's bits, placed in the mantissa of 2^52, give 2^52 + exponent + bias as a float.
+    let exponent = f64::from_bits((bits >> 52) | 0x4330_0000_0000_0000) - 4_503_599_627_371_519.0;
+    (mantissa, exponent)
+}
+
+/// The values in the order of [`f64::total_cmp`]. Equal ones have equal bits, so it does not matter which is first.
+pub fn sorted(mut values: Vec<f64>) -> Vec<f64> {
+    values.sort_unstable_by(f64::total_cmp);
+    values
+}
+
 /// The median: the mean of the two middle values if the count is even. `None` without values.
-pub fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
+pub fn median(values: Vec<f64>) -> Option<f64> {
+    let values = sorted(values);
     let middle = values.len() / 2;
     let upper = *values.get(middle)?;
     Some(if values.len().is_multiple_of(2) { f64::midpoint(values[middle - 1], upper) } else { upper })

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use underbrush_recording::math::sorted;
 use underbrush_recording::{InputError, Trial, short};
 
 /// The name of a patch that has none.
@@ -21,10 +22,6 @@ pub struct Spans {
 impl Spans {
     /// The spans of the trials of a reach.
     pub fn of(trials: &[&Trial]) -> Self {
-        let sorted = |mut times: Vec<f64>| {
-            times.sort_by(f64::total_cmp);
-            times
-        };
         let samples = || trials.iter().map(|trial| &trial.samples);
         Spans {
             firsts_s: sorted(samples().filter_map(|samples| Some(samples.first()?.time_s)).collect()),
@@ -57,8 +54,7 @@ struct Placed<'a> {
 /// lasts as long as it has one in each frame.
 pub fn check(path: &Path, reach: u64, trials: &[&Trial], spans: &Spans) -> Result<(), InputError> {
     let samples = trials.iter().flat_map(|trial| &trial.samples);
-    let mut times_s: Vec<f64> = samples.map(|sample| sample.time_s).collect();
-    times_s.sort_by(f64::total_cmp);
+    let mut times_s = sorted(samples.map(|sample| sample.time_s).collect());
     times_s.dedup();
     let place = |time_s: f64| times_s.partition_point(|other_s| *other_s < time_s);
     let placed = trials.iter().filter_map(|&trial| {

@@ -155,7 +155,7 @@ impl SkinPatch {
             let offset = point.position_link - center;
             let place = DVec2::new(offset.dot(across), offset.dot(along));
             // Beside the shape, the gap is the distance from it, because its edge drags the layer along.
-            let surface_m = chords.and_then(|chords| chords.at(place, End::Leaves).end_m());
+            let surface_m = chords.and_then(|chords| chords.end_m(place, End::Leaves));
             let gap = surface_m.map_or_else(
                 || signed_distance_m(shape, shape_pose, point.position_link),
                 |surface_m| offset.dot(inward) - surface_m,

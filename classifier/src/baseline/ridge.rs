@@ -2,10 +2,10 @@
 
 use nalgebra::DMatrix;
 use underbrush_recording::Trial;
+use underbrush_recording::vector::vectorized;
 
 use super::fitted::TrialsByCategory;
 use crate::error::ModelError;
-use crate::vector::vectorized;
 
 /// The share of a trial's weight that its last row has: the whole contact counts as much as all times before. Choice.
 const END_SHARE: f64 = 0.5;
@@ -89,7 +89,7 @@ fn solve(mut products: DMatrix<f64>, targets: &DMatrix<f64>, penalty: f64) -> Op
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vector::BASELINE_ONLY;
+    use underbrush_recording::vector::with_baseline;
 
     /// Tests the weights against their definition: all derivatives of weighted squared error plus penalty are zero, computed
     /// from the rows by central differences. With another penalty they are not. Every processor finds the same weights.
@@ -106,9 +106,8 @@ mod tests {
             (1..=6).map(|age| vec![0.1 * n, (n * f64::from(age) * 0.37).fract(), 0.5, 1.0]).collect()
         };
         let weights = fit(&by_category, 4, 0.1, |trial| Ok(rows_of(trial))).unwrap();
-        BASELINE_ONLY.set(true);
-        assert_eq!(fit(&by_category, 4, 0.1, |trial| Ok(rows_of(trial))).unwrap(), weights);
-        BASELINE_ONLY.set(false);
+        let anywhere = with_baseline(|| fit(&by_category, 4, 0.1, |trial| Ok(rows_of(trial))));
+        assert_eq!(anywhere.unwrap(), weights);
         let mut rows: Vec<(usize, f64, Vec<f64>)> = Vec::new();
         for (category, trials) in by_category.values().enumerate() {
             for trial in trials {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
+use underbrush_recording::math;
 
 use super::prediction::Record;
 
@@ -66,19 +67,17 @@ pub fn bootstrap_by_reach<'a>(
         return None;
     }
     let mut rng = ChaCha8Rng::seed_from_u64(0);
-    let mut accuracies: Vec<f64> = (0..RESAMPLES)
-        .map(|_| {
-            let (mut correct, mut count) = (0, 0);
-            for _ in 0..reaches.len() {
-                // A 64-bit range gives the same draws on every platform; usize would not.
-                let drawn = reaches[rng.random_range(0..reaches.len() as u64) as usize];
-                correct += drawn.0;
-                count += drawn.1;
-            }
-            correct as f64 / count as f64
-        })
-        .collect();
-    accuracies.sort_by(f64::total_cmp);
+    let resamples = (0..RESAMPLES).map(|_| {
+        let (mut correct, mut count) = (0, 0);
+        for _ in 0..reaches.len() {
+            // A 64-bit range gives the same draws on every platform; usize would not.
+            let drawn = reaches[rng.random_range(0..reaches.len() as u64) as usize];
+            correct += drawn.0;
+            count += drawn.1;
+        }
+        correct as f64 / count as f64
+    });
+    let accuracies = math::sorted(resamples.collect());
     if accuracies[0] == accuracies[RESAMPLES - 1] {
         return Some(wilson((accuracies[0] * reaches.len() as f64).round() as usize, reaches.len()));
     }

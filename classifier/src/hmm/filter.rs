@@ -6,13 +6,13 @@ mod viterbi;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use underbrush_recording::vector::vectorized;
 
 use self::forward::{Forward, ForwardTables};
 use self::viterbi::{Viterbi, ViterbiTables};
 use super::model::GaussianHmm;
 use super::tile::{Tile, WIDTH};
 use crate::feature::{FeatureError, Observations};
-use crate::vector::vectorized;
 
 /// How a sequence is scored under a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]

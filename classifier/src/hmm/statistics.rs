@@ -4,10 +4,11 @@ mod exact;
 mod linear;
 mod scaled;
 
+use underbrush_recording::vector::vectorized;
+
 use self::linear::LinearModel;
 use super::model::GaussianHmm;
 use crate::feature::Observations;
-use crate::vector::vectorized;
 
 /// Expected counts under one model, summed over sequences (Rabiner 1989, section III-C; the paper's reference [14]).
 pub(super) struct Statistics {

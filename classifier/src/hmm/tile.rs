@@ -1,7 +1,7 @@
 //! Arithmetic on four numbers at a time, which the compiler turns into vector instructions. Results have the same bits
 //! on every processor, because no operations are fused and every sum has a fixed order.
 
-use crate::vector::parts;
+use underbrush_recording::math::parts;
 
 /// Four numbers: one for each of four states or streams.
 pub(super) type Tile = [f64; WIDTH];

@@ -1,10 +1,10 @@
 //! The scores of a network for many rows of features, four of them side by side.
 
 use fearless_simd::{Simd, SimdBase, SimdFrom, dispatch, f64x4};
+use underbrush_recording::vector::{level, vectorized};
 
 use super::compress::compress_lanes;
 use super::network::{HIDDEN, MAX_DEVIATIONS, Network};
-use crate::vector::{level, vectorized};
 
 /// Number of rows side by side. Within one row, each addition must wait for the previous sum; different rows need not
 /// wait for each other.

@@ -1,6 +1,7 @@
 //! Features on a logarithmic scale.
 
-use crate::vector::{parts, vectorized};
+use underbrush_recording::math::parts;
+use underbrush_recording::vector::vectorized;
 
 /// The knee of counts: ln(1 + count).
 pub(super) const COUNT_KNEE: f64 = 1.0;

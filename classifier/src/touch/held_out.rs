@@ -3,13 +3,13 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use underbrush_recording::math;
 
 use super::example::Examples;
 use super::network::{Network, Row, softmax};
 use super::training_rows::TouchExamples;
 use crate::error::{Fault, ModelError};
 use crate::frequency::largest;
-use underbrush_recording::math;
 
 /// At most this share of true contacts may be called nothing in held-out reaches. Choice: a little less than the 2 %
 /// that a controller should lose at most.
@@ -156,8 +156,7 @@ pub(super) fn nothing_above(taxels: &[&Judged], sharpness: f64) -> f64 {
         return 1.0;
     }
     let touched = taxels.iter().filter(|taxel| taxel.class == 1);
-    let mut nothing: Vec<f64> = touched.map(|taxel| taxel.probabilities(sharpness)[0]).collect();
-    nothing.sort_by(f64::total_cmp);
+    let nothing = math::sorted(touched.map(|taxel| taxel.probabilities(sharpness)[0]).collect());
     let index = ((1.0 - LOST_SHARE) * nothing.len() as f64) as usize;
     nothing.get(index).copied().unwrap_or(0.5)
 }

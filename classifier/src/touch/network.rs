@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::stop;
 use underbrush_recording::{Limits, math};
 
-use crate::vector::vectorized;
+use underbrush_recording::vector::vectorized;
 
 /// Fitted numbers of any kind. Choice, as for the files of classifiers of trials: standardized features and logarithms
 /// stay far below, and products of such numbers stay finite.

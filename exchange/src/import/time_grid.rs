@@ -63,8 +63,7 @@ fn best_step_s(times_s: &[f64], mut step_s: f64, mut around: f64) -> f64 {
 /// of a frame in which no time is, of those that put no two times into one frame and leave the fewest frames out.
 fn phase(times_s: &[f64], step_s: f64) -> f64 {
     let frames = |time_s: &f64| (time_s - times_s[0]) / step_s;
-    let mut parts: Vec<f64> = times_s.iter().map(|time_s| frames(time_s).rem_euclid(1.0)).collect();
-    parts.sort_by(f64::total_cmp);
+    let parts = math::sorted(times_s.iter().map(|time_s| frames(time_s).rem_euclid(1.0)).collect());
     let next = parts[1..].iter().copied().chain([parts[0] + 1.0]);
     let mut gaps: Vec<(f64, f64)> = parts.iter().copied().zip(next).collect();
     gaps.sort_by(|a, b| (b.1 - b.0).total_cmp(&(a.1 - a.0)));

@@ -1,6 +1,7 @@
 //! Inertia matrices of links: which of them a body can have, and the nearest one of a body.
 
 use nalgebra::{Matrix3, SymmetricEigen};
+use underbrush_recording::math::sorted;
 
 use super::limits::INERTIA_KG_M2;
 use super::source::significant;
@@ -25,8 +26,7 @@ fn matrix([xx, xy, xz, yy, yz, zz]: Entries) -> Matrix3<f64> {
 /// triangle inequality: none exceeds the sum of the other two (Traversaro et al., "Identification of fully physical consistent
 /// inertial parameters using optimization on manifolds", IROS 2016).
 pub(super) fn fault(entries: Entries) -> Option<(String, String)> {
-    let mut moments = matrix(entries).symmetric_eigenvalues();
-    moments.as_mut_slice().sort_by(f64::total_cmp);
+    let moments = sorted(matrix(entries).symmetric_eigenvalues().as_slice().to_vec());
     let within = moments.iter().all(|moment| INERTIA_KG_M2.hold(*moment));
     if within && moments[2] <= (moments[0] + moments[1]) * ROUNDING {
         return None;

@@ -1,7 +1,13 @@
 //! LU factorization of a matrix of blocks, of which only those are stored that are not zero.
 
-/// Entries of a block that are computed side by side. The compiler turns loops over so many into vector instructions.
+use fearless_simd::{Simd, SimdBase, SimdFrom, dispatch, f64x4};
+use underbrush_recording::vector::level;
+
+/// Entries of a block that are computed side by side.
 pub const LANES: usize = 4;
+
+/// Neighbouring entries.
+pub type Lanes = [f64; LANES];
 
 /// The rows and columns of one block on the diagonal.
 #[derive(Clone, Copy, Debug)]
@@ -9,7 +15,7 @@ struct Block {
     /// Its first row and column.
     start: usize,
     size: usize,
-    /// The size, rounded up to whole lanes.
+    /// The lanes of a row: its size, rounded up.
     width: usize,
     /// Where the values of its rows begin.
     base: usize,
@@ -22,22 +28,22 @@ pub struct BlockMatrix {
     /// Row by row, where the values of each block begin; `None` where all are zero, also in the factors.
     places: Vec<Option<usize>>,
     /// The rows of each block, column by column. The diagonal is here.
-    lower: Vec<f64>,
+    lower: Vec<Lanes>,
     /// The columns of each block, row by row. Within a block on the diagonal, an entry counts only above the diagonal here,
     /// and only below it in `lower`.
-    upper: Vec<f64>,
+    upper: Vec<Lanes>,
     /// What a block of the factorization is computed from: where the values of its own row are, those of the other row, and
     /// their number.
     terms: Vec<(usize, usize, usize)>,
 }
 
 impl BlockMatrix {
-    /// Sets the sizes of the blocks and the pairs that are not zero beside the diagonal, and all values to zero.
+    /// Sets the sizes of the blocks and the pairs that are not zero beside the diagonal. All values must then be cleared.
     pub fn reset(&mut self, sizes: impl IntoIterator<Item = usize>, pairs: impl IntoIterator<Item = [usize; 2]>) {
         self.blocks.clear();
         let mut start = 0;
         for size in sizes {
-            self.blocks.push(Block { start, size, width: size.next_multiple_of(LANES), base: 0 });
+            self.blocks.push(Block { start, size, width: size.div_ceil(LANES), base: 0 });
             start += size;
         }
         let count = self.blocks.len();
@@ -57,33 +63,34 @@ impl BlockMatrix {
                 }
             }
         }
-        for values in [&mut self.lower, &mut self.upper] {
-            values.clear();
-            values.resize(end, 0.0);
-        }
+        self.lower.resize(end, [0.0; LANES]);
+        self.upper.resize(end, [0.0; LANES]);
     }
 
     /// Sets all values to zero.
     pub fn clear(&mut self) {
-        self.lower.fill(0.0);
-        self.upper.fill(0.0);
+        self.lower.fill([0.0; LANES]);
+        self.upper.fill([0.0; LANES]);
     }
 
-    /// The size of a block, rounded up to whole lanes.
+    /// The lanes of a block's rows.
     pub fn width(&self, block: usize) -> usize {
         self.blocks[block].width
     }
 
+    #[inline(always)]
     fn place(&self, own: usize, other: usize) -> Option<usize> {
         self.places[own * self.blocks.len() + other]
     }
 
-    /// The entries of one column of the block `other` in the rows of the block `own`, and those of one row of `other` in the
-    /// columns of `own`; zeros fill the last lanes. `other` is the same block or an earlier one. `None` if all are zero.
-    pub fn entries_mut(&mut self, own: usize, other: usize, at: usize) -> Option<[&mut [f64]; 2]> {
+    /// For each row and column of the block `other`: the entries of the column in the rows of the block `own`, and those of the row
+    /// in the columns of `own`; zeros fill the last lanes. `other` is the same block or an earlier one. Nothing if all are zero.
+    #[inline(always)]
+    pub fn rows_mut(&mut self, own: usize, other: usize) -> impl Iterator<Item = [&mut [Lanes]; 2]> {
         let width = self.width(own);
-        let from = self.place(own, other)? + at * width;
-        Some([&mut self.lower[from..from + width], &mut self.upper[from..from + width]])
+        let range = self.place(own, other).map_or(0..0, |from| from..from + self.blocks[other].size * width);
+        let lower = self.lower[range.clone()].chunks_exact_mut(width.max(1));
+        lower.zip(self.upper[range].chunks_exact_mut(width.max(1))).map(|(lower, upper)| [lower, upper])
     }
 
     /// An entry of the diagonal.
@@ -91,7 +98,7 @@ impl BlockMatrix {
         let own = self.blocks.partition_point(|block| block.start <= index) - 1;
         let at = index - self.blocks[own].start;
         let from = self.place(own, own)? + at * self.width(own);
-        self.lower.get_mut(from + at)
+        self.lower[from..].as_flattened_mut().get_mut(at)
     }
 
     /// Replaces the matrix by its factors: L with ones on its diagonal below, U above, and the reciprocals of U's
@@ -99,18 +106,26 @@ impl BlockMatrix {
     /// matrix.
     pub fn factorize(&mut self) -> bool {
         let mut terms = std::mem::take(&mut self.terms);
-        let is_positive = (0..self.blocks.len()).all(|own| {
-            for other in 0..own {
-                if let Some(place) = self.place(own, other) {
-                    self.find_terms(own, other, &mut terms);
-                    self.eliminate(own, other, place, &terms);
-                }
-            }
-            self.find_terms(own, own, &mut terms);
-            self.factorize_diagonal(own, &terms)
-        });
+        let is_positive = dispatch!(level(), simd => self.factorize_with(simd, &mut terms));
         self.terms = terms;
         is_positive
+    }
+
+    #[inline(always)]
+    fn factorize_with<S: Simd>(&mut self, simd: S, terms: &mut Vec<(usize, usize, usize)>) -> bool {
+        for own in 0..self.blocks.len() {
+            for other in 0..own {
+                if let Some(place) = self.place(own, other) {
+                    self.find_terms(own, other, terms);
+                    self.eliminate(simd, own, other, place, terms);
+                }
+            }
+            self.find_terms(own, own, terms);
+            if !self.factorize_diagonal(simd, own, terms) {
+                return false;
+            }
+        }
+        true
     }
 
     /// Both rows have values in these blocks before `other`.
@@ -122,64 +137,57 @@ impl BlockMatrix {
     }
 
     /// Computes the factors in a block beside the diagonal.
-    fn eliminate(&mut self, own: usize, other: usize, place: usize, terms: &[(usize, usize, usize)]) {
+    #[inline(always)]
+    fn eliminate<S: Simd>(&mut self, simd: S, own: usize, other: usize, place: usize, terms: &[(usize, usize, usize)]) {
         let (width, base) = (self.blocks[own].width, self.blocks[own].base);
         let Block { size, width: stride, .. } = self.blocks[other];
         let Some(diagonal) = self.place(other, other) else { return };
         let (lower_above, lower) = self.lower.split_at_mut(base);
         let (upper_above, upper) = self.upper.split_at_mut(base);
         for column in 0..size {
-            let inverse = lower_above[diagonal + column * stride + column];
-            for lanes in (0..width).step_by(LANES) {
-                let mut sums = [[0.0; LANES]; 2];
+            let inverse = lower_above[diagonal + column * stride + column / LANES][column % LANES];
+            for at in 0..width {
+                let mut sums = [f64x4::splat(simd, 0.0); 2];
                 for (mine, theirs, count) in terms.iter().copied().chain([(place, diagonal, column)]) {
-                    let (own, factors) = (mine - base..mine - base + count * width, theirs..theirs + count * stride);
-                    add_rows(
-                        &mut sums[0],
-                        &upper_above[factors.clone()],
-                        (stride, column),
-                        &lower[own.clone()],
-                        (width, lanes),
-                    );
-                    add_rows(&mut sums[1], &lower_above[factors], (stride, column), &upper[own], (width, lanes));
+                    let (mine, theirs) = (mine - base..mine - base + count * width, theirs..theirs + count * stride);
+                    let factors = [&upper_above[theirs.clone()], &lower_above[theirs]];
+                    let entries = [&lower[mine.clone()], &upper[mine]];
+                    add_rows(simd, &mut sums, factors, (stride, column), entries, (width, at));
                 }
-                let here = place - base + column * width + lanes;
-                for lane in 0..LANES {
-                    lower[here + lane] = (lower[here + lane] - sums[0][lane]) * inverse;
-                    upper[here + lane] -= sums[1][lane];
-                }
+                let here = place - base + column * width + at;
+                lower[here] = ((f64x4::simd_from(simd, lower[here]) - sums[0]) * inverse).into();
+                upper[here] = (f64x4::simd_from(simd, upper[here]) - sums[1]).into();
             }
         }
     }
 
     /// Computes the factors in a block on the diagonal.
-    fn factorize_diagonal(&mut self, own: usize, terms: &[(usize, usize, usize)]) -> bool {
+    #[inline(always)]
+    fn factorize_diagonal<S: Simd>(&mut self, simd: S, own: usize, terms: &[(usize, usize, usize)]) -> bool {
         let Block { size, width, .. } = self.blocks[own];
         let Some(place) = self.place(own, own) else { return false };
         let (lower, upper) = (&mut self.lower, &mut self.upper);
         for row in 0..size {
+            let here = place + row * width;
             // Entries of earlier rows and columns are not needed.
-            for lanes in (row / LANES * LANES..width).step_by(LANES) {
-                let mut sums = [[0.0; LANES]; 2];
+            for at in row / LANES..width {
+                let mut sums = [f64x4::splat(simd, 0.0); 2];
                 for (mine, _, count) in terms.iter().copied().chain([(place, place, row)]) {
                     let [lower, upper] = [&*lower, &*upper].map(|values| &values[mine..mine + count * width]);
-                    add_rows(&mut sums[0], upper, (width, row), lower, (width, lanes));
-                    add_rows(&mut sums[1], lower, (width, row), upper, (width, lanes));
+                    add_rows(simd, &mut sums, [upper, lower], (width, row), [lower, upper], (width, at));
                 }
-                let here = place + row * width + lanes;
-                for lane in 0..LANES {
-                    lower[here + lane] -= sums[0][lane];
-                    upper[here + lane] -= sums[1][lane];
+                for (values, sum) in [&mut *lower, &mut *upper].into_iter().zip(sums) {
+                    values[here + at] = (f64x4::simd_from(simd, values[here + at]) - sum).into();
                 }
             }
-            let here = place + row * width;
-            let pivot = lower[here + row];
+            let entries = lower[here..here + width].as_flattened_mut();
+            let pivot = entries[row];
             if pivot <= 0.0 {
                 return false;
             }
             let inverse = 1.0 / pivot;
-            lower[here + row + 1..here + size].iter_mut().for_each(|entry| *entry *= inverse);
-            lower[here + row] = inverse;
+            entries[row + 1..size].iter_mut().for_each(|entry| *entry *= inverse);
+            entries[row] = inverse;
         }
         true
     }
@@ -189,21 +197,21 @@ impl BlockMatrix {
         for (own, block) in self.blocks.iter().enumerate() {
             let (before, right) = x.split_at_mut(block.start);
             for (entries, at) in self.row(own) {
-                subtract(right, before[at], &self.lower[entries..entries + block.size]);
+                subtract(right, before[at], block.entries(&self.lower, entries));
             }
             for (row, entries) in self.on_diagonal(own) {
                 let (above, below) = right.split_at_mut(row + 1);
-                subtract(below, above[row], &self.lower[entries + row + 1..entries + block.size]);
+                subtract(below, above[row], &block.entries(&self.lower, entries)[row + 1..]);
             }
         }
         for (own, block) in self.blocks.iter().enumerate().rev() {
             let (before, right) = x.split_at_mut(block.start);
             for (row, entries) in self.on_diagonal(own).rev() {
-                let known = dot(&self.upper[entries + row + 1..entries + block.size], &right[row + 1..]);
-                right[row] = (right[row] - known) * self.lower[entries + row];
+                let known = dot(&block.entries(&self.upper, entries)[row + 1..], &right[row + 1..]);
+                right[row] = (right[row] - known) * block.entries(&self.lower, entries)[row];
             }
             for (entries, at) in self.row(own) {
-                before[at] -= dot(&self.upper[entries..entries + block.size], right);
+                before[at] -= dot(block.entries(&self.upper, entries), right);
             }
         }
     }
@@ -223,20 +231,28 @@ impl BlockMatrix {
     }
 }
 
-/// Adds the products of the factors in one column and the entries in some lanes, row by row. The rows of both have the lengths
-/// given.
+impl Block {
+    /// The entries that begin at a place.
+    fn entries<'a>(&self, values: &'a [Lanes], from: usize) -> &'a [f64] {
+        &values[from..from + self.width].as_flattened()[..self.size]
+    }
+}
+
+/// Adds to each of two sums the products of the factors in one column and the entries in some lanes, row by row. The rows of both have
+/// the widths given.
 #[inline(always)]
-fn add_rows(
-    sums: &mut [f64; LANES],
-    factors: &[f64],
+fn add_rows<S: Simd>(
+    simd: S,
+    sums: &mut [f64x4<S>; 2],
+    factors: [&[Lanes]; 2],
     (stride, column): (usize, usize),
-    entries: &[f64],
-    (width, lanes): (usize, usize),
+    entries: [&[Lanes]; 2],
+    (width, at): (usize, usize),
 ) {
-    for (factors, entries) in factors.chunks_exact(stride).zip(entries.chunks_exact(width)) {
-        let factor = factors[column];
-        for (sum, entry) in sums.iter_mut().zip(&entries[lanes..lanes + LANES]) {
-            *sum += factor * entry;
+    let rows = |side: usize| factors[side].chunks_exact(stride).zip(entries[side].chunks_exact(width));
+    for (first, second) in rows(0).zip(rows(1)) {
+        for (sum, (factors, entries)) in sums.iter_mut().zip([first, second]) {
+            *sum += f64x4::simd_from(simd, entries[at]) * factors[column / LANES][column % LANES];
         }
     }
 }
@@ -257,9 +273,11 @@ mod tests {
     use super::*;
     use nalgebra::{DMatrix, DVector};
     use proptest::prelude::*;
+    use underbrush_recording::vector::with_baseline;
 
     proptest! {
-        /// Tests solutions against nalgebra's dense LU, for random block matrices with random sizes and patterns.
+        /// Tests solutions against nalgebra's dense LU, for random block matrices with random sizes and patterns, and that the
+        /// factors are the same with the vector instructions of every processor.
         #[test]
         fn solutions_are_those_of_the_dense_matrix(
             sizes in prop::collection::vec(1..8usize, 1..6),
@@ -276,9 +294,12 @@ mod tests {
             let mut dense = DMatrix::<f64>::identity(size, size) * 200.0;
             let mut matrix = BlockMatrix::default();
             matrix.reset(sizes.iter().copied(), pairs.iter().copied());
+            matrix.clear();
             for [own, other] in (0..sizes.len()).map(|own| [own, own]).chain(pairs) {
-                for at in 0..sizes[other] {
-                    let [lower, upper] = matrix.entries_mut(own, other, at).unwrap();
+                let mut rows = 0;
+                for (at, [lower, upper]) in matrix.rows_mut(own, other).enumerate() {
+                    rows += 1;
+                    let [lower, upper] = [lower, upper].map(|lanes| lanes.as_flattened_mut());
                     for place in 0..sizes[own] {
                         let (row, column) = (starts[own] + place, starts[other] + at);
                         if row != column {
@@ -288,13 +309,16 @@ mod tests {
                         (lower[place], upper[place]) = (dense[(row, column)], dense[(column, row)]);
                     }
                 }
+                prop_assert_eq!(rows, sizes[other]);
             }
             for index in 0..size {
                 *matrix.diagonal_mut(index).unwrap() += 1.0;
                 dense[(index, index)] += 1.0;
             }
             let mut found = right[..size].to_vec();
-            prop_assert!(matrix.factorize());
+            let mut anywhere = matrix.clone();
+            prop_assert!(matrix.factorize() && with_baseline(|| anywhere.factorize()));
+            prop_assert_eq!((&matrix.lower, &matrix.upper), (&anywhere.lower, &anywhere.upper));
             matrix.solve(&mut found);
             let expected = dense.lu().solve(&DVector::from_row_slice(&right[..size])).unwrap();
             for (found, expected) in found.iter().zip(expected.iter()) {

@@ -72,18 +72,15 @@ impl<'a> Columns<'a> {
 
     /// The column at a place, in a region of overlaps of more than `over_m`.
     pub(super) fn probe(&self, place: DVec2, over_m: f64) -> Probe {
-        let missed = |inside| Probe { excess: inside, surfaces_m: [0.0; 2] };
         let first = self.chords[0].at(place, End::Enters);
-        if first.inside.value <= 0.0 {
-            return missed(first.inside);
+        match first.and_then(|first| Ok((first, self.chords[1].at(place, End::Leaves)?))) {
+            Err(beside) => Probe { excess: beside, surfaces_m: [0.0; 2] },
+            Ok((first, second)) => {
+                let mut excess = second - first;
+                excess.value -= over_m;
+                Probe { excess, surfaces_m: [first.value, second.value] }
+            }
         }
-        let second = self.chords[1].at(place, End::Leaves);
-        if second.inside.value <= 0.0 {
-            return missed(second.inside);
-        }
-        let mut excess = second.end_m - first.end_m;
-        excess.value -= over_m;
-        Probe { excess, surfaces_m: [first.end_m.value, second.end_m.value] }
     }
 
     /// Whether the column at a place overlaps by more than `over_m`.
@@ -119,10 +116,11 @@ impl<'a> Columns<'a> {
             let overlap_m = length.value;
             if overlap_m > 0.0 {
                 // The second shape may also lie beyond the first.
-                let beyond =
-                    self.chords[0].at(center, End::Leaves).end_m - self.chords[1].at(center, End::Enters).end_m;
-                if beyond.value < length.value {
-                    length = beyond;
+                let ends = (self.chords[0].at(center, End::Leaves), self.chords[1].at(center, End::Enters));
+                if let (Ok(first), Ok(second)) = ends
+                    && first.value - second.value < length.value
+                {
+                    length = first - second;
                 }
             }
             if length.value > 0.0 && best.is_none_or(|(_, _, longest_m)| length.value > longest_m) {

@@ -59,14 +59,22 @@ impl Capacitive {
         random_spurious: &mut ChaCha8Rng,
     ) {
         let offsets = self.spurious.advance(random_spurious);
+        let is_pressed = true_force_n.iter().any(|force| *force != 0.0);
         for (taxel, (reading, offset)) in reading_n.iter_mut().zip(offsets).enumerate() {
-            let felt = felt(&self.neighbours[taxel], self.crosstalk_share, true_force_n, taxel);
-            // Kelvin-Voigt elements, dz/dt = (f − z)/τ, integrated exactly for a force that is constant over the frame.
+            let neighbours = &self.neighbours[taxel];
+            let felt = if is_pressed { felt(neighbours, self.crosstalk_share, true_force_n, taxel) } else { 0.0 };
             let crept = &mut self.crept_n[taxel];
-            for (crept, advance) in crept.iter_mut().zip(self.creep_advance) {
-                *crept += (felt - *crept) * advance;
-            }
-            let clean = felt + self.creep_share * crept.iter().sum::<f64>() + offset;
+            // Most taxels have not been pressed yet.
+            let crept_n = if felt != 0.0 || *crept != [0.0; CREEP_TIMES_S.len()] {
+                // Kelvin-Voigt elements, dz/dt = (f − z)/τ, integrated exactly for a force that is constant over the frame.
+                for (crept, advance) in crept.iter_mut().zip(self.creep_advance) {
+                    *crept += (felt - *crept) * advance;
+                }
+                crept.iter().sum::<f64>()
+            } else {
+                0.0
+            };
+            let clean = felt + self.creep_share * crept_n + offset;
             let analog = self.noise.over_gate(clean, self.gate_n, random).filter(|analog| *analog >= self.floor_n);
             *reading = analog.map_or(0.0, |analog| self.converter.convert(analog).clamp(0.0, self.saturation_n));
         }

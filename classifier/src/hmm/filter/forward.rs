@@ -9,13 +9,13 @@
 
 use std::f64::consts::LN_2;
 use std::ops::Range;
+use underbrush_recording::math::parts;
 
 use crate::hmm::gaussian::Gaussians;
 use crate::hmm::model::HmmParameters;
 use crate::hmm::tile::{
     ROUNDER, Tile, WIDTH, add, exp2_fraction, larger, largest, logarithm, map, multiply, scale_mantissa, select, zip,
 };
-use crate::vector::parts;
 
 /// States are padded to a multiple of this with unreachable ones, so that inner loops are short and even.
 const CHUNK: usize = 4;

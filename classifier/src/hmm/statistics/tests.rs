@@ -1,9 +1,9 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use underbrush_recording::vector::with_baseline;
 
 use super::*;
 use crate::hmm::{HmmParameters, ScoreKind, Scorer, Topology};
-use crate::vector::BASELINE_ONLY;
 
 /// A model with the authors' initial transitions, whose narrow and wide states have means from 0 to 3 N.
 fn model(states: usize, topology: Topology, dimension: usize, rng: &mut ChaCha8Rng) -> GaussianHmm {
@@ -148,9 +148,6 @@ fn every_processor_gets_the_same_bits() {
             (counts.log_likelihood.to_bits(), numbers.map(f64::to_bits).collect::<Vec<_>>())
         };
         let here = compute();
-        BASELINE_ONLY.set(true);
-        let anywhere = compute();
-        BASELINE_ONLY.set(false);
-        assert_eq!(here, anywhere, "{states} states");
+        assert_eq!(here, with_baseline(compute), "{states} states");
     }
 }

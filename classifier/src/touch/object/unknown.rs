@@ -126,8 +126,8 @@ struct Shares {
 
 impl Shares {
     /// The distribution of the scores of some objects.
-    fn of(mut scores: Vec<f64>) -> Self {
-        scores.sort_by(f64::total_cmp);
+    fn of(scores: Vec<f64>) -> Self {
+        let scores = math::sorted(scores);
         let last = scores.len().saturating_sub(1) as f64;
         let quantile = |index: usize| {
             let share = 1.0 - math::powf(10f64, -0.1 * index as f64);

@@ -1,6 +1,7 @@
+use underbrush_recording::vector::with_baseline;
+
 use super::super::batch_scores::FeatureRows;
 use super::super::network::{Network, Row, softmax};
-use crate::vector::BASELINE_ONLY;
 
 /// Points in a square; the class is whether the signs of their coordinates differ, which no linear function can tell.
 fn checkerboard() -> Vec<Row<2>> {
@@ -22,11 +23,8 @@ fn a_network_learns_a_checkerboard() {
     });
     let right = right.count();
     assert!(right >= 380, "{right} of 400");
-    for is_baseline in [false, true] {
-        BASELINE_ONLY.set(is_baseline);
-        assert_eq!(Network::fit(&rows, 2), network);
-    }
-    BASELINE_ONLY.set(false);
+    assert_eq!(Network::fit(&rows, 2), network);
+    assert_eq!(with_baseline(|| Network::fit(&rows, 2)), network);
     assert!(network.is_sound(2, 2) && !network.is_sound(3, 2) && !network.is_sound(2, 3));
 }
 
@@ -88,11 +86,9 @@ fn rows_side_by_side_have_the_scores_of_one_row() {
             expected.extend(scores);
         }
         let mut scores = Vec::new();
-        for is_baseline in [false, true] {
-            BASELINE_ONLY.set(is_baseline);
-            network.scores_of(&some, &mut scores);
-            assert_eq!(scores, expected);
-        }
-        BASELINE_ONLY.set(false);
+        network.scores_of(&some, &mut scores);
+        assert_eq!(scores, expected);
+        with_baseline(|| network.scores_of(&some, &mut scores));
+        assert_eq!(scores, expected);
     }
 }

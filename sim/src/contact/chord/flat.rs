@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use parry3d::shape::{ConvexPolyhedron, Cuboid};
 
-use super::{Chord, End, PARALLEL, Slope, View};
+use super::{Chord, End, PARALLEL, Slope, View, between};
 
 /// A box, as the three slabs whose common part it is.
 #[derive(Clone, Copy, Debug)]
@@ -58,9 +58,9 @@ impl Slabs {
             }
         }
         if beside.value <= 0.0 {
-            return Chord::outside(beside);
+            return Err(beside);
         }
-        Chord::between(ends_m, end, |end| Slope { value: ends_m[end], gradient: self.0[slabs[end]].middle.gradient })
+        between(ends_m, end, |end| Slope { value: ends_m[end], gradient: self.0[slabs[end]].middle.gradient })
     }
 }
 
@@ -101,10 +101,10 @@ impl Faces {
     pub(super) fn at(&self, place: DVec2, end: End) -> Chord {
         let beside = least(&self.beside, place);
         if beside.value <= 0.0 {
-            return Chord::outside(beside);
+            return Err(beside);
         }
         let ends = [-least(&self.entering, place), least(&self.leaving, place)];
-        Chord::between(ends.map(|end| end.value), end, |end| ends[end])
+        between(ends.map(|end| end.value), end, |end| ends[end])
     }
 }
 

@@ -80,36 +80,14 @@ pub enum End {
     Leaves,
 }
 
-/// The part of a line that is inside a shape, with one of its ends; no caller needs the slopes of both.
-#[derive(Clone, Copy, Debug)]
-pub struct Chord {
-    /// Positive if the line passes through the shape. Otherwise a concave function of the place, which rises towards
-    /// the shape. The gradient is known only in the second case.
-    pub inside: Slope,
-    /// The end, m from the plane along the direction, if the line passes through the shape.
-    pub end_m: Slope,
-}
+/// An end of the part of a line that is inside a shape, m from the plane along the direction; no caller needs the slopes of both. For a
+/// line that misses the shape, a concave function of the place, which is not positive and rises towards the shape.
+pub type Chord = Result<Slope, Slope>;
 
-impl Chord {
-    fn outside(inside: Slope) -> Self {
-        Chord { inside, end_m: Slope::default() }
-    }
-
-    /// The chord between two ends, m, if the first end lies before the second. `slope` returns the first end for 0 and
-    /// the second for 1.
-    fn between(ends_m: [f64; 2], end: End, slope: impl Fn(usize) -> Slope) -> Self {
-        let length_m = ends_m[1] - ends_m[0];
-        if length_m <= 0.0 {
-            return Chord::outside(slope(1) - slope(0));
-        }
-        let inside = Slope { value: length_m, gradient: DVec2::ZERO };
-        Chord { inside, end_m: slope(end as usize) }
-    }
-
-    /// The end, m; `None` if the line misses the shape.
-    pub fn end_m(&self) -> Option<f64> {
-        (self.inside.value > 0.0).then_some(self.end_m.value)
-    }
+/// The chord between two ends, m, if the first end lies before the second. `slope` returns the first end for 0 and the second for 1.
+#[inline(always)]
+fn between(ends_m: [f64; 2], end: End, slope: impl Fn(usize) -> Slope) -> Chord {
+    if ends_m[1] - ends_m[0] <= 0.0 { Err(slope(1) - slope(0)) } else { Ok(slope(end as usize)) }
 }
 
 /// All lines of one direction through one shape.
@@ -147,7 +125,7 @@ impl<'a> Chords<'a> {
 
     /// The end of the line through a point of the plane, m; `None` if the line misses the shape.
     pub fn end_m(&self, place: DVec2, end: End) -> Option<f64> {
-        self.inlined_at(place, end).end_m()
+        self.inlined_at(place, end).ok().map(|end_m| end_m.value)
     }
 
     /// The line through a point of the plane, m, and one of the line's ends.
@@ -228,8 +206,8 @@ mod tests {
                 let mut faces = Faces::default();
                 let chords = Chords::new(shape.as_ref(), &view, &mut faces).unwrap();
                 let ends = both_ends(&chords, place);
-                let range_m = ends[0].end_m().zip(ends[1].end_m());
-                match (range_m.map(<[f64; 2]>::from), expected) {
+                let range = ends[0].ok().zip(ends[1].ok());
+                match (range.map(<[Slope; 2]>::from), expected) {
                     (Some(found), Some(rays)) => {
                         let merged = match shape.as_convex_polyhedron() {
                             Some(_) => 1.8e-4 * 2.0 * shape.compute_local_bounding_sphere().radius,
@@ -238,13 +216,13 @@ mod tests {
                         for (end, ray) in [rays.0, rays.1].into_iter().enumerate() {
                             // Rays against hulls and cylinders are iterated until they are this near to the surface. Along a
                             // slanted line that is farther, as near the rim of a cylinder.
-                            let slant = (1.0 + ends[end].end_m.gradient.length_squared()).sqrt();
-                            prop_assert!((found[end] - ray).abs() < (1e-5 + merged) * slant, "{found:?} {rays:?}");
+                            let slant = (1.0 + found[end].gradient.length_squared()).sqrt();
+                            prop_assert!((found[end].value - ray).abs() < (1e-5 + merged) * slant, "{found:?} {rays:?}");
                         }
                     }
                     (None, None) => {}
                     // Near a tangent the two may differ.
-                    (Some(found), None) => prop_assert!(found[1] - found[0] < 2e-3, "{found:?}"),
+                    (Some(found), None) => prop_assert!(found[1].value - found[0].value < 2e-3, "{found:?}"),
                     (None, Some(rays)) => prop_assert!(rays.1 - rays.0 < 2e-3, "{rays:?}"),
                 }
             }
@@ -267,10 +245,10 @@ mod tests {
                 let mut faces = Faces::default();
                 let chords = Chords::new(shape.as_ref(), &view, &mut faces).unwrap();
                 let here = both_ends(&chords, place);
-                let passes = |ends: &[Chord; 2]| ends[0].end_m().is_some();
+                let passes = |ends: &[Chord; 2]| ends[0].is_ok();
                 for axis in [DVec2::X, DVec2::Y] {
                     let beside = [-1.0, 1.0].map(|sign| both_ends(&chords, place + axis * sign * step));
-                    let pick = |ends: &[Chord; 2]| ends.map(|end| if passes(&here) { end.end_m } else { end.inside });
+                    let pick = |ends: &[Chord; 2]| ends.map(|end| end.unwrap_or_else(|beside| beside));
                     for end in 0..2 {
                         let own = pick(&here)[end].gradient.dot(axis);
                         let [before, after] = [0, 1].map(|side| pick(&beside[side])[end].value);

@@ -31,7 +31,7 @@ impl Capsule {
         let away = offset.truncate() - flat * share.clamp(0.0, 1.0);
         let inside = Slope { value: self.radius_m * self.radius_m - away.length_squared(), gradient: -2.0 * away };
         if inside.value <= 0.0 {
-            return Chord::outside(inside);
+            return Err(inside);
         }
         // The union of two balls and the cylinder between them.
         let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
@@ -64,7 +64,7 @@ impl Capsule {
         let end_m = ends[end as usize];
         let point = offset + DVec3::Z * end_m;
         let along = point.dot(self.axis).clamp(0.0, self.length_m);
-        Chord { inside, end_m: surface(end_m, point - self.axis * along) }
+        Ok(surface(end_m, point - self.axis * along))
     }
 }
 
@@ -102,10 +102,7 @@ impl Cylinder {
             let half = self.half_height_m.copysign(axis.z);
             [(-half - along) / axis.z, (half - along) / axis.z]
         } else if along.abs() >= self.half_height_m {
-            return Chord::outside(Slope {
-                value: self.half_height_m - along.abs(),
-                gradient: axis.truncate() * -along.signum(),
-            });
+            return Err(Slope { value: self.half_height_m - along.abs(), gradient: axis.truncate() * -along.signum() });
         } else {
             [f64::NEG_INFINITY, f64::INFINITY]
         };
@@ -123,7 +120,7 @@ impl Cylinder {
             }
         };
         if inside.value <= 0.0 {
-            return Chord::outside(inside);
+            return Err(inside);
         }
         let sides = round.ends().unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
         let is_cap = match end {
@@ -132,10 +129,10 @@ impl Cylinder {
         };
         let end = end as usize;
         if is_cap {
-            return Chord { inside, end_m: Slope { value: caps[end], gradient: self.cap_gradient } };
+            return Ok(Slope { value: caps[end], gradient: self.cap_gradient });
         }
         let point = offset + DVec3::Z * sides[end];
-        Chord { inside, end_m: surface(sides[end], point - axis * point.dot(axis)) }
+        Ok(surface(sides[end], point - axis * point.dot(axis)))
     }
 }
 
@@ -156,7 +153,7 @@ struct Endless {
 
 /// A line along the view's direction and a cylinder without ends.
 struct Round {
-    /// As [`Chord::inside`]: the square of the radius less the square of the distance between line and axis.
+    /// The square of the radius less the square of the distance between line and axis.
     inside: Slope,
     /// Square of the sine of the angle between line and axis.
     square: f64,

@@ -17,7 +17,7 @@
 
 use nalgebra::Vector3;
 
-use super::block_matrix::BlockMatrix;
+use super::block_matrix::{BlockMatrix, Lanes};
 use super::law::{Law, NormalSpeeds, Response, SlipSpeeds, Stop};
 use super::patch::Node;
 
@@ -95,8 +95,8 @@ pub struct Solver {
     blocks: Vec<Block>,
     mass: Vec<f64>,
     columns: Vec<[f64; ROWS]>,
-    /// For one side of a patch: its columns times the patch's stiffness, transposed and not, row by row.
-    pushed: [Vec<f64>; 2],
+    /// For one side of a patch: its columns times the patch's stiffness, transposed and not. Lanes of columns, row by row.
+    pushed: [Vec<[Lanes; ROWS]>; 2],
     nodes: Vec<Node>,
     /// The patches, in the order in which they were added.
     pub patches: Vec<Patch>,

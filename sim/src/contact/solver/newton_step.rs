@@ -1,9 +1,11 @@
 //! One step of Newton's method: the matrix, and how far to go.
 
+use fearless_simd::{Simd, SimdBase, SimdFrom, dispatch, f64x4};
 use nalgebra::Matrix3;
+use underbrush_recording::vector::level;
 
 use super::{Patch, ROWS, Solver, join, split};
-use crate::contact::block_matrix::{LANES, dot};
+use crate::contact::block_matrix::{LANES, Lanes, dot};
 
 /// Trials of the line search.
 const MAX_SEARCH: usize = 20;
@@ -12,12 +14,17 @@ impl Solver {
     /// Assembles the matrix M + Σ Jᵀ (−∂λ/∂v) J. With `is_coupled`, friction changes with the normal impulse, which
     /// makes the matrix unsymmetric.
     pub(super) fn assemble(&mut self, is_coupled: bool) {
+        dispatch!(level(), simd => self.assemble_with(simd, is_coupled));
+    }
+
+    #[inline(always)]
+    fn assemble_with<S: Simd>(&mut self, simd: S, is_coupled: bool) {
         self.matrix.clear();
         for (index, block) in self.blocks.iter().enumerate() {
-            for row in 0..block.size {
+            for (row, sides) in self.matrix.rows_mut(index, index).enumerate() {
                 let mass = &self.mass[block.mass + row * block.size..][..block.size];
-                for entries in self.matrix.entries_mut(index, index, row).into_iter().flatten() {
-                    entries[..block.size].copy_from_slice(mass);
+                for entries in sides {
+                    entries.as_flattened_mut()[..block.size].copy_from_slice(mass);
                 }
             }
         }
@@ -27,26 +34,28 @@ impl Solver {
                 continue;
             }
             for own in patch.sides.iter().flatten() {
-                // Side by side for all rows of the block: Jᵀ times the stiffness, for its rows and for its columns.
-                let width = self.matrix.width(own.block);
-                let own_columns = &self.columns[own.columns..][..self.blocks[own.block].size];
-                for (pushed, side) in self.pushed.iter_mut().zip([Stiffness::transposed_times, Stiffness::times]) {
+                // Jᵀ times the stiffness, for the rows of the block and for its columns.
+                for pushed in &mut self.pushed {
                     pushed.clear();
-                    pushed.resize(ROWS * width, 0.0);
-                    for (at, column) in own_columns.iter().enumerate() {
-                        for (row, entry) in side(&stiffness, column).into_iter().enumerate() {
-                            pushed[row * width + at] = entry;
+                    pushed.resize(self.matrix.width(own.block), [[0.0; LANES]; ROWS]);
+                }
+                let own_columns = &self.columns[own.columns..][..self.blocks[own.block].size];
+                for (at, column) in own_columns.iter().enumerate() {
+                    let sides = [stiffness.transposed_times(column), stiffness.times(column)];
+                    for (pushed, entries) in self.pushed.iter_mut().zip(sides) {
+                        for (lanes, entry) in pushed[at / LANES].iter_mut().zip(entries) {
+                            lanes[at % LANES] = entry;
                         }
                     }
                 }
                 for other in patch.sides.iter().flatten().filter(|other| other.block <= own.block) {
                     let other_columns = &self.columns[other.columns..][..self.blocks[other.block].size];
-                    for (at, column) in other_columns.iter().enumerate() {
-                        let Some(targets) = self.matrix.entries_mut(own.block, other.block, at) else { continue };
+                    let targets = self.matrix.rows_mut(own.block, other.block);
+                    for ((at, column), targets) in other_columns.iter().enumerate().zip(targets) {
                         // On the diagonal nothing reads the lanes before `at`.
-                        let first = if own.block == other.block { at / LANES * LANES } else { 0 };
+                        let first = if own.block == other.block { at / LANES } else { 0 };
                         for (target, pushed) in targets.into_iter().zip(&self.pushed) {
-                            add_products(target, column, pushed, first);
+                            add_products(simd, &mut target[first..], column, &pushed[first..]);
                         }
                     }
                 }
@@ -126,17 +135,16 @@ impl Solver {
     }
 }
 
-/// Adds to each entry, from `first` on, the product of its column of `pushed`, whose rows are one after the other, with `column`.
-fn add_products(entries: &mut [f64], column: &[f64; ROWS], pushed: &[f64], first: usize) {
-    let width = entries.len();
-    let [a, b, c, d, e, f]: [&[f64]; ROWS] = std::array::from_fn(|row| &pushed[row * width..][..width]);
-    for at in first..width {
-        entries[at] += column[0] * a[at]
-            + column[1] * b[at]
-            + column[2] * c[at]
-            + column[3] * d[at]
-            + column[4] * e[at]
-            + column[5] * f[at];
+/// Adds to each entry the product of its column of `pushed` with `column`.
+#[inline(always)]
+fn add_products<S: Simd>(simd: S, entries: &mut [Lanes], column: &[f64; ROWS], pushed: &[[Lanes; ROWS]]) {
+    for (entries, pushed) in entries.iter_mut().zip(pushed) {
+        let mut products = [f64x4::splat(simd, 0.0); ROWS];
+        for (product, (pushed, factor)) in products.iter_mut().zip(pushed.iter().zip(column)) {
+            *product = f64x4::simd_from(simd, *pushed) * *factor;
+        }
+        let [a, b, c, d, e, f] = products;
+        *entries = (f64x4::simd_from(simd, *entries) + (a + b + c + d + e + f)).into();
     }
 }
 
@@ -160,11 +168,13 @@ impl Stiffness {
         Stiffness { normal: normal.stiffness, friction: friction.stiffness, coupling }
     }
 
+    #[inline(always)]
     fn times(&self, column: &[f64; ROWS]) -> [f64; ROWS] {
         let (first, second) = split(column);
         join(self.normal * first, self.coupling * first + self.friction * second)
     }
 
+    #[inline(always)]
     fn transposed_times(&self, row: &[f64; ROWS]) -> [f64; ROWS] {
         let (first, second) = split(row);
         join(self.normal * first + self.coupling.tr_mul(&second), self.friction * second)

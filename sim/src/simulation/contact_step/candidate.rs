@@ -65,44 +65,28 @@ impl<'a> Meeting<'a> {
         }
     }
 
-    /// The overlap beyond which a column at a point may press along a normal in this step, m, if the overlap there is
-    /// `overlap_m`.
-    pub(super) fn closing_m(&self, point_world: DVec3, normal_world: DVec3, overlap_m: f64) -> f64 {
-        let [before, ahead] = self.motions(point_world, |tree, at| {
-            let velocity = tree.coordinates[at].velocity;
-            [velocity, tree.ahead_s() * velocity]
-        });
-        let ahead_m = ahead[0].dot(normal_world);
+    /// The overlap beyond which a column may press along a normal in this step, m, where the shapes move as `motions` says and the
+    /// overlap is `overlap_m`.
+    pub(super) fn closing_m(&self, [before, ahead, free]: &Motions, normal_world: DVec3, overlap_m: f64) -> f64 {
+        let closing_m =
+            |[linear, _]: &[DVec3; 2]| self.law.closing_m(linear.dot(normal_world)) - ahead[0].dot(normal_world);
         // The speed of surfaces that stay in contact hardly changes. Surfaces that are about to meet may be accelerated
         // in this step, so their speed in it without contacts counts, too.
-        let over_m = self.law.closing_m(before[0].dot(normal_world)) - ahead_m;
-        if overlap_m > over_m {
-            return over_m;
-        }
-        let [free] = self.motions(point_world, |tree, at| [tree.next()[at]]);
-        self.law.closing_m(free[0].dot(normal_world)) - ahead_m
+        let over_m = closing_m(before);
+        if overlap_m > over_m { over_m } else { closing_m(free) }
     }
 
-    /// The parting speed at the origin of a plane and the angular velocities about its tangents.
-    fn speeds(&self, plane: &Plane, velocity: impl Fn(&Tree, usize) -> f64) -> NormalSpeeds {
-        let [[linear, angular]] = self.motions(plane.origin_world, |tree, at| [velocity(tree, at)]);
-        let [first, second] = plane.tangents_world;
-        Vector3::new(linear.dot(plane.normal_world), angular.dot(first), angular.dot(second))
-    }
-
-    /// The velocity of the first shape relative to the second at a point, m/s, and its angular velocity, rad/s, world frame,
-    /// for each of the velocities that `velocities` returns for a coordinate.
+    /// How the shapes move at a point.
     #[inline(always)]
-    fn motions<const N: usize>(
-        &self,
-        point_world: DVec3,
-        velocities: impl Fn(&Tree, usize) -> [f64; N],
-    ) -> [[DVec3; 2]; N] {
-        let mut motions = [[DVec3::ZERO; 2]; N];
+    pub(super) fn motions(&self, point_world: DVec3) -> Motions {
+        let mut motions = Motions::default();
         for (link, sign) in self.links.iter().zip([1.0, -1.0]) {
             let Some(PlacedLink { slot, link }) = *link else { continue };
             let tree = self.scene.tree(slot);
-            let own = tree.velocities_at(link, point_world, |at| velocities(tree, at));
+            let own = tree.velocities_at(link, point_world, |at| {
+                let velocity = tree.coordinates[at].velocity;
+                [velocity, tree.ahead_s() * velocity, tree.next()[at]]
+            });
             for ([linear, angular], own) in motions.iter_mut().zip(own) {
                 *linear += own[0] * sign;
                 *angular += own[1] * sign;
@@ -110,6 +94,16 @@ impl<'a> Meeting<'a> {
         }
         motions
     }
+}
+
+/// How the first shape moves relative to the second at a point, world frame, each as a linear and an angular part: its velocity when
+/// the step begins, m/s and rad/s; how far trees have moved ahead since then, m and rad; and its velocity if nothing touches.
+type Motions = [[DVec3; 2]; 3];
+
+/// Along the normal at the origin of a plane, and about its tangents.
+fn speeds(plane: &Plane, [linear, angular]: [DVec3; 2]) -> NormalSpeeds {
+    let [first, second] = plane.tangents_world;
+    Vector3::new(linear.dot(plane.normal_world), angular.dot(first), angular.dot(second))
 }
 
 /// What a step finds out about a pair of shapes.
@@ -192,7 +186,10 @@ impl Meeting<'_> {
             return false;
         };
         let gap_m = (lowest - highest).dot(normal_world);
-        gap_m > 0.0 && [lowest, highest].into_iter().all(|point| -gap_m <= self.closing_m(point, normal_world, -gap_m))
+        gap_m > 0.0
+            && [lowest, highest]
+                .into_iter()
+                .all(|point| -gap_m <= self.closing_m(&self.motions(point), normal_world, -gap_m))
     }
 
     /// The patch of a contact that is roughly known, if it may press.
@@ -211,14 +208,15 @@ impl Meeting<'_> {
             known,
             faces,
             |plane, overlap_m| {
-                before = self.speeds(plane, |tree, at| tree.coordinates[at].velocity);
-                self.closing_m(plane.origin_world, plane.normal_world, overlap_m)
+                let motions = self.motions(plane.origin_world);
+                before = speeds(plane, motions[0]);
+                self.closing_m(&motions, plane.normal_world, overlap_m)
             },
             nodes,
         )?;
         // How far the surfaces have parted since the step began, m, and turned, rad: trees move ahead before contacts
         // are found.
-        let parted_m = self.speeds(&plane, |tree, at| tree.ahead_s() * tree.coordinates[at].velocity);
+        let parted_m = speeds(&plane, self.motions(plane.origin_world)[1]);
         for node in &mut nodes[first_node..] {
             node.overlap_m += node.parting(&parted_m);
         }

@@ -30,7 +30,7 @@ impl Meeting<'_> {
         let along_list = (plane.origin_world, normal_world, overlap_m.min(least_m));
         // The engine's library knows the direction better, where it finds the overlap.
         let (point_world, normal_world, overlap_m) = self.deepest().unwrap_or(along_list);
-        let over_m = self.closing_m(point_world, normal_world, overlap_m);
+        let over_m = self.closing_m(&self.motions(point_world), normal_world, overlap_m);
         if overlap_m - over_m.max(0.0) > SHALLOW_M { overlap_m } else { 0.0 }
     }
 
