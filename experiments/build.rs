@@ -13,6 +13,7 @@ const LOCK_FILE: &str = "Cargo.lock";
 pub const LIBRARIES: &[&str] = &[
     "blake3",
     "csv",
+    "fearless_simd",
     "glam",
     "glamx",
     "libm",

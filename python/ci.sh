@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds the wheel of the Python package, installs it into a virtual environment of its own, and runs tests, type
 # checks, examples and docs. Needs Python 3.11 or later. Reuses the engine that `cargo test --workspace` has built.
+# Arguments are those of `maturin build`.
 set -euo pipefail
 cd "$(dirname "$0")"
 export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/../target}
@@ -15,7 +16,7 @@ wheels=$(mktemp -d)
 trap 'rm -rf "$wheels"' EXIT
 # The lock file decides the version that data sets carry. pyproject.toml does not require it, because a source
 # distribution has fewer crates than the lock file, and cargo must be free to drop the others from it.
-"$venv/bin/maturin" build --release --locked --quiet --interpreter "$python" --out "$wheels"
+"$venv/bin/maturin" build --release --locked --quiet --interpreter "$python" --out "$wheels" "$@"
 "$python" -m pip install --quiet --force-reinstall --no-deps "$wheels"/*.whl
 "$python" -m pip install --quiet "underbrush[test,docs] @ file://$(echo "$wheels"/*.whl)"
 

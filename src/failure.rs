@@ -12,6 +12,8 @@ use underbrush_recording::{Fault, InputError, TEXT_BYTES, escaped, read_text};
 pub struct Failure {
     text: String,
     input: Option<InputError>,
+    /// File, cause and remedy if the disk failed.
+    storage: Option<Box<[String; 3]>>,
     kind: Kind,
     /// Whether the reader of the output closed the pipe, as `| head` does. That is not a failure.
     pub closed_pipe: bool,
@@ -34,7 +36,7 @@ enum Kind {
 impl Failure {
     /// Bad usage, or bad input that is not in a file.
     pub fn usage(text: impl Into<String>) -> Self {
-        Failure { text: text.into(), input: None, kind: Kind::Usage, closed_pipe: false }
+        Failure { text: text.into(), input: None, storage: None, kind: Kind::Usage, closed_pipe: false }
     }
 
     /// A run that failed.
@@ -52,7 +54,7 @@ impl Failure {
     /// The same failure with the file that it is about, unless it names one already.
     #[must_use]
     pub fn about(self, path: &Path) -> Self {
-        if self.input.is_some() {
+        if self.input.is_some() || self.storage.is_some() {
             return self;
         }
         Failure { text: format!("{}: {}", path.display(), self.text), ..self }
@@ -75,14 +77,18 @@ impl Failure {
     /// What `--json` prints: one object with the key `error`, whose values are null if they are not known.
     pub fn json(&self) -> String {
         let input = self.input.as_ref();
+        let [file, found, remedy] = match input {
+            Some(input) => [input.file.display().to_string(), input.found.clone(), input.remedy.clone()].map(Some),
+            None => self.storage.clone().map(|known| (*known).map(Some)).unwrap_or_default(),
+        };
         json!({ "error": {
             "kind": self.kind,
-            "file": input.map(|input| input.file.display().to_string()),
+            "file": file,
             "line": input.and_then(|input| input.line),
             "field": input.map(|input| &input.field),
-            "found": input.map(|input| &input.found),
+            "found": found,
             "allowed": input.map(|input| &input.allowed),
-            "remedy": input.map(|input| &input.remedy),
+            "remedy": remedy,
             "message": self.text,
         } })
         .to_string()
@@ -143,12 +149,15 @@ where
     Fault: From<E>,
 {
     fn from(error: E) -> Self {
-        match Fault::from(error) {
-            Fault::Input(input) => {
-                Failure { text: input.to_string(), input: Some(*input), kind: Kind::Input, ..Failure::usage("") }
+        let fault = Fault::from(error);
+        let text = fault.to_string();
+        match fault {
+            Fault::Input(input) => Failure { input: Some(*input), kind: Kind::Input, ..Failure::usage(text) },
+            Fault::Storage { file, cause, remedy, .. } => {
+                Failure { storage: Some(Box::new([file.display().to_string(), cause, remedy])), ..Failure::run(text) }
             }
-            Fault::Usage(text) => Failure::usage(text),
-            Fault::Run(text) | Fault::Storage(text) => Failure::run(text),
+            Fault::Usage(_) => Failure::usage(text),
+            Fault::Run(_) => Failure::run(text),
         }
     }
 }

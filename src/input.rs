@@ -5,12 +5,15 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use underbrush_classifier::evaluate::EvaluateError;
 use underbrush_classifier::evaluate::touch_folds::ReadReaches;
-use underbrush_experiments::contact_trials;
+use underbrush_classifier::{DataKind, DataSource, ModelError};
+use underbrush_experiments::{contact_trials, model_data};
 use underbrush_recording::disk::{
     Dataset, file_blake3, is_folder, is_recording, is_there, read_recording, read_trials, recordings_in,
+    with_recordings,
 };
-use underbrush_recording::{InputError, Recording, Trial};
+use underbrush_recording::{Fault, InputError, Recording, Trial};
 use underbrush_sim::controller::ControllerKind;
 
 use crate::options::TrialArguments;
@@ -31,17 +34,29 @@ pub fn only(paths: &[PathBuf]) -> Result<&Path, Failure> {
     }
 }
 
-/// Reads the trials of a data set, a recording or a table; an error if there are none. Remarks that the preset does not
-/// change the labels of a table.
-pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Failure> {
-    let trials = trials(path, arguments)?;
-    let is_table = !is_folder(path)? && !is_recording(path)?;
+/// Trials, and the data that they were read from.
+pub struct TrialInput {
+    pub trials: Vec<Trial>,
+    pub data: Vec<DataSource>,
+}
+
+impl TrialInput {
+    /// Whether the trials were read from a table.
+    pub fn is_table(&self) -> bool {
+        self.data.iter().any(|own| own.kind == DataKind::Trials)
+    }
+}
+
+/// As [`trials`]; an error if there are none. Remarks that the preset does not change the labels of a table.
+pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<TrialInput, Failure> {
+    let read = trials(path, arguments)?;
+    let is_table = read.is_table();
     let path = path.display();
     if is_table && arguments.is_paper() {
         let kept = "the trials of a table keep their labels, which --preset paper does not change";
         output::remark(format!("{path}: {kept}"));
     }
-    if trials.is_empty() {
+    if read.trials.is_empty() {
         let (threshold_n, samples) = (arguments.threshold_n(), arguments.min_samples());
         if is_table {
             let remedy = "lower --min-samples, or give a table with longer trials";
@@ -53,7 +68,18 @@ pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>
         let remedy = "lower --threshold-n or --min-samples, or generate more reaches";
         return Err(Failure::usage(format!("{path}: {found}; {remedy}")));
     }
-    Ok(trials)
+    Ok(read)
+}
+
+/// An error about the trials at this path, unless an option is at fault.
+pub fn about_trials(path: &Path, error: impl Into<EvaluateError>) -> Failure {
+    let error = error.into();
+    match error {
+        EvaluateError::FoldCount { .. }
+        | EvaluateError::Decision(_)
+        | EvaluateError::Model(ModelError::BadOption { .. }) => error.into(),
+        _ => Failure::from(error).about(path),
+    }
 }
 
 /// Returns an error if there is no file or folder at `path`. Without this check, its name would be taken for the wrong
@@ -65,30 +91,39 @@ pub fn check_exists(path: &Path, allowed: &str) -> Result<(), Failure> {
     Err(InputError::new(path, "input", "no such file or folder", allowed, "check the path").into())
 }
 
-/// The same paths, but in place of a folder of recordings, as `import` writes it, the recordings in it.
-pub fn with_recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
-    let mut all = Vec::new();
-    for path in paths {
-        let inside = recordings_in(path)?;
-        all.extend(if inside.is_empty() { vec![path.clone()] } else { inside });
-    }
-    Ok(all)
-}
-
-/// Reads the trials of a data set, a recording or a table.
-pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Failure> {
-    check_exists(path, "a data set (folder), recording or table of trials")?;
-    let cut = if is_folder(path)? {
-        contact_trials::of_dataset(&Dataset::open(path)?, &arguments.options()?, &Shown).map_err(Failure::from)
+/// Reads the trials of a data set, of a recording or a folder of them, or of a table.
+pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<TrialInput, Failure> {
+    check_exists(path, WITH_TRIALS)?;
+    let about = |fault: Fault| Failure::from(fault).about(path);
+    let files = recordings_in(path)?;
+    let (trials, data) = if !files.is_empty() {
+        let read = contact_trials::of_reaches(files.len(), &arguments.options()?, &Shown, |index| {
+            let recording = read_recording(&files[index])?;
+            let source = model_data::of_file(&files[index], &recording)?;
+            Ok((recording, source))
+        });
+        let (trials, data) = read.map_err(about)?;
+        let is_again = |place: &usize| data[..*place].iter().any(|own| own.blake3 == data[*place].blake3);
+        if let Some(again) = (0..data.len()).find(is_again) {
+            return Err(given_twice(&files[again]));
+        }
+        (trials, data)
+    } else if is_folder(path)? {
+        let dataset = Dataset::open(path)?;
+        let trials = contact_trials::of_dataset(&dataset, &arguments.options()?, &Shown).map_err(about)?;
+        (trials, vec![model_data::of_reaches(&dataset, dataset.episodes().iter())])
     } else if is_recording(path)? {
-        contact_trials::of_recording(&read_recording(path)?, &arguments.options()?).map_err(Failure::from)
+        let recording = read_recording(path)?;
+        let cut = contact_trials::of_recording(&recording, &arguments.options()?);
+        (cut.map_err(|error| about(error.into()))?, vec![model_data::of_file(path, &recording)?])
     } else {
         arguments.refuse_for_table(path)?;
         let mut trials = read_trials(path)?;
+        let data = vec![model_data::of_table(path, &trials)?];
         trials.retain(|trial| trial.samples.len() >= arguments.min_samples());
-        return Ok(trials);
+        (trials, data)
     };
-    cut.map_err(|failure| failure.about(path))
+    Ok(TrialInput { trials, data })
 }
 
 /// Reads the name of a controller.
@@ -96,11 +131,20 @@ pub fn controller() -> impl TypedValueParser<Value = ControllerKind> {
     PossibleValuesParser::new(ControllerKind::names()).try_map(|name| ControllerKind::from_name(&name))
 }
 
+fn given_twice(path: &Path) -> Failure {
+    let remedy = "leave it out where it is named again";
+    let allowed = "each data set or recording once, so that no reach counts twice";
+    InputError::new(path, "input", "the same data twice", allowed, remedy).into()
+}
+
 /// The reaches of some data sets and recordings, in the order in which they are given.
 pub struct Reaches {
     /// Each with its data set; a recording has none.
     sources: Vec<(PathBuf, Option<Dataset>)>,
 }
+
+/// What commands that need trials accept.
+pub const WITH_TRIALS: &str = "a data set (folder), recording, folder of recordings or table of trials";
 
 /// What commands that need whole frames accept.
 const WITH_FRAMES: &str = "data sets or folders of recordings, or recordings (.parquet), which hold whole frames";
@@ -126,14 +170,17 @@ impl Reaches {
             // Two names and two copies of one file are one file.
             let content = dataset.as_ref().map_or_else(|| file_blake3(path), |dataset| Ok(dataset.data_blake3()))?;
             if !contents.insert(content) {
-                let remedy = "leave it out where it is named again";
-                let allowed = "each data set or recording once, so that no reach counts twice";
-                return Err(InputError::new(path, "input", "the same data twice", allowed, remedy).into());
+                return Err(given_twice(path));
             }
             Ok((path.clone(), dataset))
         };
         let sources: Result<Vec<_>, Failure> = paths.iter().map(source).collect();
         Ok(Reaches { sources: sources? })
+    }
+
+    /// Reads one reach after the other.
+    pub fn recordings(&self) -> impl Iterator<Item = Result<Recording, Failure>> {
+        self.places().map(|(path, dataset, index)| read_one(path, dataset, index))
     }
 
     /// Each reach as its file or folder, and the data set there with its index in it.
@@ -143,6 +190,13 @@ impl Reaches {
             (0..reaches).map(move |index| (path, dataset.as_ref(), index))
         })
     }
+}
+
+fn read_one(path: &Path, dataset: Option<&Dataset>, index: usize) -> Result<Recording, Failure> {
+    Ok(match dataset {
+        Some(dataset) => dataset.read_reach(index)?,
+        None => read_recording(path)?,
+    })
 }
 
 impl ReadReaches for Reaches {
@@ -161,11 +215,7 @@ impl ReadReaches for Reaches {
         let kept: Vec<_> = self.places().enumerate().filter(|(position, _)| keeps(*position)).collect();
         let bar = progress::bar(kept.len() as u64, "reaches read");
         for (_, (path, dataset, index)) in kept {
-            let recording = match dataset {
-                Some(dataset) => dataset.read_reach(index)?,
-                None => read_recording(path)?,
-            };
-            each(&recording).map_err(|failure| failure.about(path))?;
+            each(&read_one(path, dataset, index)?).map_err(|failure| failure.about(path))?;
             bar.inc(1);
         }
         Ok(())

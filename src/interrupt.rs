@@ -1,17 +1,18 @@
 //! Handles signals that ask the program to end: removes temporary files and prints how to continue.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use crate::output;
 
-/// How to continue after an interruption, if that is possible.
-static HINT: OnceLock<String> = OnceLock::new();
+/// The folder of the results, and how to continue after an interruption, if that is possible.
+static HINT: OnceLock<(PathBuf, String)> = OnceLock::new();
 
-/// Sets the hint that is printed after an interruption: that `things` are kept in a folder, and `how` to continue the
-/// run. Only the first hint of a process counts.
+/// Sets the hint that is printed after an interruption if the folder is there: that `things` are kept in it, and `how` to
+/// continue the run. Only the first hint of a process counts.
 pub fn kept(things: &str, folder: &Path, how: &str) {
-    let _ = HINT.set(format!("{things} kept in {}; run {how} to go on", folder.display()));
+    let hint = format!("{things} kept in {}; run {how} to go on", folder.display());
+    let _ = HINT.set((folder.to_path_buf(), hint));
 }
 
 /// Waits for SIGINT, SIGTERM and SIGHUP (the terminal was closed) in a separate thread.
@@ -44,7 +45,9 @@ pub fn watch() {
     std::thread::spawn(move || {
         if let Some(signal) = signals.forever().next() {
             underbrush_recording::disk::abandon_unfinished_files();
-            if let Some(hint) = HINT.get() {
+            if let Some((folder, hint)) = HINT.get()
+                && folder.exists()
+            {
                 output::interruption(hint);
             }
             let _ = signal_hook::low_level::emulate_default_handler(signal);

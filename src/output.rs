@@ -74,7 +74,7 @@ pub fn usage(answer: &clap::Error, arguments: &[OsString]) -> u8 {
         };
     }
     if arguments.iter().take_while(|argument| *argument != "--").any(|argument| argument == "--json") {
-        let failure = Failure::usage(text.trim_end());
+        let failure = Failure::usage(text.trim_start_matches("error: ").trim_end());
         let _ = line(&failure.json());
     }
     // An argument, such as the name of a file, may have escape sequences; clap's colours are not worth those.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use underbrush_recording::{InputError, PLAIN, is_plain};
+use underbrush_recording::{Category, InputError};
 
 use crate::error::Fault;
 use crate::seal;
@@ -77,14 +77,14 @@ impl Document {
         InputError::new(&self.path, field.into(), found.into(), allowed.into(), REMEDY)
     }
 
-    /// Refuses categories that are out of order, and those that a terminal would not show as they are.
+    /// Refuses categories that are out of order, those that a terminal would not show as they are, and the verdict uncertain.
     pub(crate) fn check_names(&self, categories: &[String]) -> Result<(), InputError> {
         if categories.is_empty() || !categories.is_sorted_by(|a, b| a < b) {
             let found = categories.join(", ");
             return Err(self.error("categories", found, "one or more names in alphabetical order, none twice"));
         }
-        match categories.iter().find(|name| !is_plain(name)) {
-            Some(name) => Err(self.error("categories", format!("{name:?}"), PLAIN)),
+        match categories.iter().find_map(|name| Some((name, Category::name_fault(name)?))) {
+            Some((name, allowed)) => Err(self.error("categories", format!("{name:?}"), allowed)),
             None => Ok(()),
         }
     }

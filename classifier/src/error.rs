@@ -29,8 +29,8 @@ pub enum ModelError {
     },
     /// Too few reaches to show that a share stays within its limit.
     #[error(
-        "{reaches} reaches cannot show that at most {share} of a new reach is judged badly; allowed: {needed} reaches or more; \
-         generate more, or allow a larger share"
+        "{reaches} reaches cannot show that at most {share} of a new reach is judged badly; allowed: {needed} reaches or more \
+         to fit to (cross-validation leaves a fold out); generate more, or allow a larger share"
     )]
     FewReaches {
         /// Number of reaches given.

@@ -21,7 +21,7 @@ use std::sync::Arc;
 
 use rten::{ModelMetadata, RunOptions, ThreadPool, Value as Tensor, ValueView};
 use serde_json::Value;
-use underbrush_recording::{InputError, JSON_BYTES, Sample, math, open_regular, stop::panic_text};
+use underbrush_recording::{Category, InputError, JSON_BYTES, Sample, math, open_regular, stop::panic_text};
 
 use crate::estimator::{Classifier, ContactScorer, Independent, OnlineScorer};
 use crate::{FeatureError, FeatureSet, ModelError, SampleFault};
@@ -234,6 +234,9 @@ impl Expected {
         if categories.len() < 2 || !categories.is_sorted_by(|a, b| a < b) || categories[0].is_empty() {
             let allowed = "two or more names in alphabetical order, none twice";
             return Err(fail("underbrush.categories", &categories.join(","), allowed));
+        }
+        if let Some((name, allowed)) = categories.iter().find_map(|name| Some((name, Category::name_fault(name)?))) {
+            return Err(fail("underbrush.categories", name, allowed));
         }
         Ok(Expected {
             features: features

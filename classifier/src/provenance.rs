@@ -6,6 +6,7 @@ use std::fmt::Display;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use underbrush_recording::FRAME_PERIOD_S;
 
 /// Where a model comes from. A file may hold further keys, for instance of a user's own.
 ///
@@ -51,7 +52,7 @@ impl Provenance {
     /// Warns if frames come at another rate, Hz, than all data that the model was fitted to, and says whether it did. `subject`
     /// names the frames. Nothing is said if either rate is unknown.
     pub fn warn_of_rate(&self, subject: impl Display, rate_hz: Option<f64>) -> bool {
-        let mut rates = self.data.iter().filter_map(|data| data.rate_hz.zip(rate_hz));
+        let mut rates = self.data.iter().filter_map(|data| data.known_rate_hz().zip(rate_hz));
         let Some((own, rate)) = rates.clone().next().filter(|_| rates.all(differ)) else { return false };
         let [own, rate] = [own, rate].map(shown);
         log::warn!(
@@ -61,9 +62,18 @@ impl Provenance {
         true
     }
 
+    /// Warns, as [`Self::warn_of_rate`], of the first of these data that has another rate.
+    pub fn warn_of_rates(&self, subject: impl Display, data: &[DataSource]) {
+        for own in data {
+            if self.warn_of_rate(&subject, own.known_rate_hz()) {
+                return;
+            }
+        }
+    }
+
     /// Warns if the data that the model was fitted to have several rates.
     pub fn warn_of_several_rates(&self) {
-        let mut rates = self.data.iter().filter_map(|data| data.rate_hz);
+        let mut rates = self.data.iter().filter_map(DataSource::known_rate_hz);
         let Some(first) = rates.next() else { return };
         if let Some(other) = rates.find(|rate| differ((first, *rate))) {
             let [first, other] = [first, other].map(shown);
@@ -95,6 +105,13 @@ pub struct DataSource {
     /// Frames per second, Hz; for a table of trials by the median time between two samples. Unknown for what was in memory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
+}
+
+impl DataSource {
+    /// Frames per second, Hz. Models of early builds do not say it of data sets, which all have the rate of the simulation.
+    fn known_rate_hz(&self) -> Option<f64> {
+        self.rate_hz.or((self.kind == DataKind::DataSet).then_some(1.0 / FRAME_PERIOD_S))
+    }
 }
 
 /// A kind of data.

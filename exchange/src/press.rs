@@ -48,6 +48,11 @@ const ONE_SPEED: f64 = 0.1;
 /// Shortest time at one depth from which creep is fitted, s.
 const MIN_HOLD_S: f64 = 2.0;
 
+/// How much the depth may vary in a hold, and how much it may drift, as shares of the largest depth. Choices: noise of a sensor, and
+/// much less than a slow press has while it crosses the first share.
+const VARIES: f64 = 0.02;
+const DRIFTS: f64 = 0.005;
+
 /// One row of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub struct PressSample {
@@ -121,15 +126,8 @@ pub fn read_press(path: &Path) -> Result<Vec<PressSample>, InputError> {
         let line = line_of_row(text.as_bytes(), rows.reader().position());
         let Some(row) = rows.next() else { return Ok(samples) };
         let fault = |found: String, allowed: &str| InputError::new(path, "press", found, allowed, remedy).at_line(line);
-        let sample: PressSample = row.map_err(|error| {
-            let found = match error.into_kind() {
-                // Without the parser's own line, which leaves blank lines out.
-                csv::ErrorKind::Deserialize { err, .. } => err.to_string(),
-                csv::ErrorKind::UnequalLengths { len, expected_len, .. } => format!("{len} cells, not {expected_len}"),
-                other => format!("{other:?}"),
-            };
-            fault(found, "numbers in the columns time_s, depth_m and force_n")
-        })?;
+        let sample: PressSample =
+            row.map_err(|error| InputError::of_csv(path, "press", text.as_bytes(), error, remedy).at_line(line))?;
         if ![sample.time_s, sample.depth_m, sample.force_n].iter().all(|value| value.is_finite()) {
             return Err(fault("a value that is not finite".into(), "finite numbers"));
         }
@@ -264,7 +262,7 @@ fn fit(rows: &[Row], punch: Punch) -> Option<[f64; 3]> {
 /// The samples under load. The speed is that between the neighbours of a sample.
 fn rows(samples: &[PressSample]) -> Vec<Row> {
     // The force of a hold falls, which the law does not describe.
-    let holds: Vec<&[PressSample]> = holds(samples).collect();
+    let holds = holds(samples);
     let is_held =
         |time_s: f64| holds.iter().any(|hold| hold[0].time_s < time_s && time_s <= hold[hold.len() - 1].time_s);
     let row = |window: &[PressSample]| {
@@ -301,13 +299,33 @@ fn solve(rows: &[Linear]) -> Option<[f64; 3]> {
     Some([0, 1, 2].map(|at| solution.get(at).map_or(0.0, |own| own / lengths[at])))
 }
 
-/// The times of at least 2 s in which the depth stays within 2 % of the largest.
-fn holds(samples: &[PressSample]) -> impl Iterator<Item = &[PressSample]> {
+/// The times of at least 2 s in which the depth stays, in their order.
+fn holds(samples: &[PressSample]) -> Vec<&[PressSample]> {
     let largest_m = samples.iter().map(|sample| sample.depth_m).fold(0.0, f64::max);
-    let is_level = move |a: &PressSample, b: &PressSample| (a.depth_m - b.depth_m).abs() < 0.02 * largest_m;
-    let level = samples.chunk_by(move |a, b| is_level(a, b) && a.force_n > 0.0 && b.force_n > 0.0);
-    // A slow press is level from sample to sample, too.
-    level.filter(move |hold| length_s(hold) >= MIN_HOLD_S && hold.iter().all(|sample| is_level(sample, &hold[0])))
+    let (mut found, mut rest) = (Vec::new(), samples);
+    while let [first, ..] = rest {
+        let is_near = |own: &&PressSample| (own.depth_m - first.depth_m).abs() < VARIES * largest_m;
+        let level = &rest[..rest.iter().take_while(|own| own.force_n > 0.0 && is_near(own)).count()];
+        let hold = still(level, DRIFTS * largest_m);
+        found.extend(hold);
+        // After no hold, one may begin within these samples.
+        rest = &rest[if hold.is_some() { level.len() } else { (level.len() / 8).max(1) }..];
+    }
+    found
+}
+
+/// The samples of a level stretch without those of a press that leads to it or away from it; `None` if it is no hold.
+fn still(level: &[PressSample], drift_m: f64) -> Option<&[PressSample]> {
+    if level.is_empty() || length_s(level) < MIN_HOLD_S {
+        return None;
+    }
+    let depth_m = |of: &[PressSample]| math::median(of.iter().map(|sample| sample.depth_m).collect());
+    let (early, late) = level.split_at(level.len() / 2);
+    let is_drifting = (depth_m(early)? - depth_m(late)?).abs() >= drift_m;
+    let middle_m = depth_m(level)?;
+    let is_still = |sample: &PressSample| (sample.depth_m - middle_m).abs() < drift_m;
+    let hold = &level[level.iter().position(is_still)?..=level.iter().rposition(is_still)?];
+    (!is_drifting && length_s(hold) >= MIN_HOLD_S).then_some(hold)
 }
 
 fn length_s(hold: &[PressSample]) -> f64 {
@@ -315,13 +333,13 @@ fn length_s(hold: &[PressSample]) -> f64 {
 }
 
 /// The slope of the force over the decades of the longest hold, as a share of its force after a tenth of a second; `None` if no
-/// hold is long enough.
+/// hold is long enough, or has too few samples.
 fn relaxation(samples: &[PressSample]) -> Option<f64> {
-    let hold = holds(samples).max_by(|a, b| length_s(a).total_cmp(&length_s(b)))?;
+    let hold = holds(samples).into_iter().max_by(|a, b| length_s(a).total_cmp(&length_s(b)))?;
     let points = hold.iter().map(|sample| (sample.time_s - hold[0].time_s, sample.force_n));
     let points = points.filter(|(time_s, _)| *time_s >= 0.1);
     let [start_n, slope] = straight_line(points.map(|(time_s, force_n)| (math::log10(time_s / 0.1), force_n)));
-    Some(-slope / start_n)
+    Some(-slope / start_n).filter(|share| share.is_finite())
 }
 
 #[cfg(test)]

@@ -46,14 +46,30 @@ pub(crate) fn cut(recording: &Recording, options: &TrialOptions) -> Result<Vec<T
 /// # Errors
 /// If the set cannot be read or a reach cannot be cut; that of [`Progress::check_stopped`] if the user ends the run.
 pub fn of_dataset(dataset: &Dataset, options: &TrialOptions, progress: &dyn Progress) -> Result<Vec<Trial>, Fault> {
-    let parts = each_episode(dataset, progress, |episode, recording| {
-        let trials = cut(recording, options)?.into_iter();
-        let trials: Vec<Trial> = trials.map(|trial| Trial { reach: Some(episode as u64), ..trial }).collect();
-        Ok((is_mixed(recording, options), trials))
+    let count = dataset.episodes().len();
+    Ok(of_reaches(count, options, progress, |episode| Ok((dataset.read_reach(episode)?, ())))?.0)
+}
+
+/// The trials of as many reaches as `read` is to return, and what it returns beside them. The reach of a trial is its place among these.
+///
+/// # Errors
+/// As [`of_dataset`].
+pub fn of_reaches<T: Send>(
+    count: usize,
+    options: &TrialOptions,
+    progress: &dyn Progress,
+    read: impl Fn(usize) -> Result<(Recording, T), Fault> + Sync,
+) -> Result<(Vec<Trial>, Vec<T>), Fault> {
+    let parts = each_reach(count, progress, |reach| {
+        let (recording, beside) = read(reach)?;
+        let trials = cut(&recording, options)?.into_iter();
+        let trials: Vec<Trial> = trials.map(|trial| Trial { reach: Some(reach as u64), ..trial }).collect();
+        Ok((is_mixed(&recording, options), (trials, beside)))
     })?;
     warn_of_mixed(parts.iter().filter(|(is_mixed, _)| *is_mixed).count(), parts.len());
-    let trials = parts.into_iter().flat_map(|(_, trials)| trials).zip(0..);
-    Ok(trials.map(|(trial, number)| Trial { trial: number, ..trial }).collect())
+    let (trials, beside): (Vec<Vec<Trial>>, Vec<T>) = parts.into_iter().map(|(_, own)| own).unzip();
+    let trials = trials.into_iter().flatten().zip(0..);
+    Ok((trials.map(|(trial, number)| Trial { trial: number, ..trial }).collect(), beside))
 }
 
 /// Reads the reaches of a data set, several at a time, and returns what `each` makes of them, in their order.
@@ -65,13 +81,21 @@ pub fn each_episode<T: Send>(
     progress: &dyn Progress,
     each: impl Fn(usize, &Recording) -> Result<T, Fault> + Sync,
 ) -> Result<Vec<T>, Fault> {
-    let episodes = 0..dataset.episodes().len();
-    let count = progress.count("reaches read", episodes.len() as u64, 0);
-    let read = |episode| {
+    each_reach(dataset.episodes().len(), progress, |episode| each(episode, &dataset.read_reach(episode)?))
+}
+
+/// Calls `read` for as many reaches, several at a time, and returns what it makes of them, in their order.
+fn each_reach<T: Send>(
+    reaches: usize,
+    progress: &dyn Progress,
+    read: impl Fn(usize) -> Result<T, Fault> + Sync,
+) -> Result<Vec<T>, Fault> {
+    let count = progress.count("reaches read", reaches as u64, 0);
+    let read = |reach| {
         progress.check_stopped()?;
-        let made = each(episode, &dataset.read_reach(episode)?)?;
+        let made = read(reach)?;
         count.advance();
         Ok(made)
     };
-    episodes.into_par_iter().with_max_len(1).map(read).collect()
+    (0..reaches).into_par_iter().with_max_len(1).map(read).collect()
 }

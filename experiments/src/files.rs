@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use underbrush_recording::{Fault, InputError, TEXT_BYTES, disk, line_at, line_giving, parse_toml, read_text};
+use underbrush_recording::{Fault, InputError, TEXT_BYTES, disk, line_at, line_giving, parse_toml, read_text, short};
 
 /// Creates a folder with its parents.
 pub fn create_folder(folder: &Path) -> Result<(), Fault> {
-    std::fs::create_dir_all(folder).map_err(storage(folder, "made"))
+    std::fs::create_dir_all(folder).map_err(storage(folder, "create"))
 }
 
 /// Creates the folders above a file.
@@ -38,9 +38,9 @@ pub fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), Fault> {
     write(path, &serde_json::to_vec_pretty(value).map_err(unwritable(path))?)
 }
 
-/// For `map_err` after calls of the operating system: what could not be `made`, `read` or `removed`.
+/// For `map_err` after calls of the operating system that `create`, `read` or `remove` something.
 pub(crate) fn storage(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Fault {
-    move |source| Fault::Storage(format!("{}: cannot be {action}: {source}", path.display()))
+    move |source| disk::DiskError::Io { path: path.to_path_buf(), action, source }.into()
 }
 
 /// For `map_err` where a result is written as JSON.
@@ -88,12 +88,13 @@ impl Source<'_> {
         if holds { Ok(()) } else { Err(self.fault(name, found, allowed)) }
     }
 
-    /// A field whose value is this number, however the file writes it.
-    pub fn number(&self, name: &str, value: f64) -> Field {
-        self.found(name, &|text| {
+    /// An error about the field with this number, however the file writes it, unless a rule holds.
+    pub fn check_number(&self, holds: bool, name: &str, value: f64, allowed: &str) -> Result<(), InputError> {
+        let is_value = |text: &str| {
             let number = text.replace('_', "").parse::<f64>();
             number.is_ok_and(|number| number == value || (number.is_nan() && value.is_nan()))
-        })
+        };
+        if holds { Ok(()) } else { Err(self.found(name, &is_value).fault(short(value), allowed)) }
     }
 
     /// A field with its line, if the file gives it such a value.

@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::Value;
 use underbrush_classifier::{DataKind, DataSource, Provenance, frequencies};
 use underbrush_recording::disk::{Episode, file_blake3, is_folder, is_recording, read_recording, read_trials};
-use underbrush_recording::{Dataset, DiskError, Recording, period_s};
+use underbrush_recording::{Dataset, DiskError, Recording, Trial, period_s};
 
 use crate::dataset::PROGRAM_VERSION;
 
@@ -33,14 +33,26 @@ pub fn of_path(path: &Path) -> Result<DataSource, DiskError> {
         let dataset = Dataset::open(path)?;
         return Ok(of_reaches(&dataset, dataset.episodes().iter()));
     }
-    let (name, blake3) = (name(path), file_blake3(path)?);
-    if !is_recording(path)? {
-        let period_s = period_s(&read_trials(path)?).filter(|period_s| *period_s > 0.0);
-        // Times are rounded, and the rate is no closer. There is none if no trial has two samples.
-        let rate_hz = period_s.map(|period_s| (1e6 / period_s).round() / 1e6);
-        return Ok(DataSource { name, rate_hz, ..of_trials(blake3) });
-    }
-    Ok(DataSource { name, blake3, ..of_recording(&read_recording(path)?) })
+    if is_recording(path)? { of_file(path, &read_recording(path)?) } else { of_table(path, &read_trials(path)?) }
+}
+
+/// A recording that was read from this file.
+///
+/// # Errors
+/// [`DiskError`] if the file cannot be read.
+pub fn of_file(path: &Path, recording: &Recording) -> Result<DataSource, DiskError> {
+    Ok(DataSource { name: name(path), blake3: file_blake3(path)?, ..of_recording(recording) })
+}
+
+/// A table from which all these trials were read.
+///
+/// # Errors
+/// [`DiskError`] if the file cannot be read.
+pub fn of_table(path: &Path, trials: &[Trial]) -> Result<DataSource, DiskError> {
+    let period_s = period_s(trials).filter(|period_s| *period_s > 0.0);
+    // Times are rounded, and the rate is no closer. There is none if no trial has two samples.
+    let rate_hz = period_s.map(|period_s| (1e6 / period_s).round() / 1e6);
+    Ok(DataSource { name: name(path), rate_hz, ..of_trials(file_blake3(path)?) })
 }
 
 /// Trials of which only this hash is known.

@@ -132,7 +132,7 @@ fn clear(out: &Path) -> Result<(), Fault> {
     };
     for name in FOLDERS.iter().chain(&FILES) {
         let path = out.join(name);
-        remove(&path).map_err(storage(&path, "removed"))?;
+        remove(&path).map_err(storage(&path, "remove"))?;
     }
     Ok(())
 }

@@ -104,7 +104,8 @@ pub fn mean_difference<F>(cells: &[Cell<F>], accuracy: fn(&F) -> f64) -> BTreeMa
     sums.into_iter().map(mean).collect()
 }
 
-/// Checks the published statements on the cells of one or more recipes. A pair with a missing cell does not count.
+/// Checks the published statements on the cells of one or more recipes. A pair with a missing cell does not count,
+/// and a statement without any pair is left out.
 pub fn orderings<F>(experiment: &Experiment, cells: &[Cell<F>], accuracy: fn(&F) -> f64) -> Vec<Ordering> {
     let statements = experiment.published().map_or(&[][..], |own| &own.orderings);
     let cells: Vec<KeyedAccuracy> = cells.iter().map(|cell| (&cell.key, accuracy(&cell.figures))).collect();
@@ -121,16 +122,16 @@ pub fn orderings<F>(experiment: &Experiment, cells: &[Cell<F>], accuracy: fn(&F)
                 }
             }
         }
-        Ordering {
+        (pairs > 0).then(|| Ordering {
             recipe: recipe.clone(),
             statement,
             holds: failing.is_empty(),
             pairs,
             pairs_holding: pairs - failing.len(),
             failing,
-        }
+        })
     };
-    let of_recipe = |recipe| statements.iter().map(move |name| check(recipe, *name));
+    let of_recipe = |recipe| statements.iter().filter_map(move |name| check(recipe, *name));
     recipes.into_iter().flat_map(of_recipe).collect()
 }
 

@@ -44,15 +44,8 @@ pub fn run(session: &Session) -> Result<TrainingData, Fault> {
     })?;
     let of_any_length = TrialOptions { min_samples: 1, ..experiment.trial_options() };
     let contacts = session.stage("Trials", || Trials::of_dataset(session, &dataset, &of_any_length))?;
-    let min_samples = experiment.file.trials.min_samples;
-    let trials = contacts.lasting(min_samples);
-    if trials.taxel.is_empty() {
-        let count = contacts.taxel.len();
-        return Err(Fault::Usage(format!(
-            "none of the {count} trials of the training reaches has {min_samples} samples or more; lower trials.min_samples, or \
-             train on more reaches"
-        )));
-    }
+    let trials = contacts.lasting(experiment.file.trials.min_samples);
+    trials.check_labels(experiment)?;
     Ok(TrainingData { trials, contacts: contacts.taxel, dataset })
 }
 
@@ -140,6 +133,25 @@ impl Trials {
             trials.append(place, is_labelled.then(|| labels[job.plan]), own);
         }
         trials
+    }
+
+    /// Checks that there are trials of all labels. Classifiers that know fewer categories are right more easily.
+    ///
+    /// # Errors
+    /// If there is no trial of some label.
+    pub fn check_labels(&self, experiment: &Experiment) -> Result<(), Fault> {
+        let samples = experiment.file.trials.min_samples;
+        for label in experiment.labels() {
+            let lacks = |trials: &[Trial]| !trials.iter().any(|trial| trial.category.as_deref() == Some(label));
+            // A patch without a grid has no component trials at all.
+            if lacks(&self.taxel) || (!self.component.is_empty() && lacks(&self.component)) {
+                return Err(Fault::Usage(format!(
+                    "no trial of {label} in the training reaches has {samples} samples or more; lower trials.min_samples or \
+                     trials.threshold_n, or train on more reaches"
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// The trials of at least this many samples, renumbered as if extracted with [`TrialOptions::min_samples`].

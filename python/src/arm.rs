@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use underbrush_recording::{Patch, SkinLayout};
-use underbrush_sim::arm::{Arm, load_layout};
+use underbrush_sim::arm::{Arm, ArmSource, load_layout};
 
 use crate::{Answer, Failure, array, json};
 
@@ -91,6 +91,29 @@ impl PyArm {
 
     fn __repr__(&self) -> String {
         format!("Arm({:?}, {} joints)", self.arm.name, self.arm.joints.len())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {
+        let files: Vec<_> = self.arm.files.iter().map(|file| (&file.name, &file.text)).collect();
+        // A scene may have made the joints stiffer than the files say.
+        let joints = self.arm.joints.iter();
+        let springs: Vec<_> = joints
+            .map(|own| [own.stiffness_nm_per_rad, own.model_stiffness_nm_per_rad, own.damping_nm_s_per_rad])
+            .collect();
+        json::pickled::<PyArm>(py, &(files, springs))
+    }
+
+    #[staticmethod]
+    fn _from_json(text: &str) -> Result<Self, Failure> {
+        let (files, springs): (Vec<(String, String)>, Vec<[f64; 3]>) = json::unpickled(text.as_bytes())?;
+        let files: Vec<ArmSource> = files.into_iter().map(|(name, text)| ArmSource { name, text }).collect();
+        let mut arm = Arm::from_files(&files)?;
+        for (joint, [stiffness, of_model, damping]) in arm.joints.iter_mut().zip(springs) {
+            joint.stiffness_nm_per_rad = stiffness;
+            joint.model_stiffness_nm_per_rad = of_model;
+            joint.damping_nm_s_per_rad = damping;
+        }
+        Ok(PyArm { arm })
     }
 }
 

@@ -7,7 +7,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PySlice};
 use rayon::prelude::*;
 use underbrush_experiments::{contact_trials, model_data};
-use underbrush_recording::{Dataset, Fault};
+use underbrush_recording::Dataset;
+use underbrush_recording::disk::DiskError;
 
 use crate::pool::{self, alone};
 use crate::reach::{Reach, Source};
@@ -15,7 +16,8 @@ use crate::{Answer, Column, Failure, PyTable, Reported, Skin, Trials, array, giv
 
 /// The absolute path of a set, so that it can still be read after the process has changed its working folder.
 pub fn lasting(path: &Path) -> Result<PathBuf, Failure> {
-    std::path::absolute(path).map_err(|error| Fault::Storage(format!("{}: {error}", path.display())).into())
+    let lost = |source| DiskError::Io { path: path.to_path_buf(), action: "find", source }.into();
+    std::path::absolute(path).map_err(lost)
 }
 
 /// A finished data set. It reads only what is asked for, reach by reach and column by column.

@@ -88,7 +88,9 @@ impl From<Failure> for PyErr {
         match failure {
             Failure::Raised(error) => error,
             Failure::Fault(Fault::Run(text)) => raised::RunError::new_err(escaped(&text).into_owned()),
-            Failure::Fault(Fault::Storage(text)) => raised::StorageError::new_err(escaped(&text).into_owned()),
+            Failure::Fault(fault @ Fault::Storage { .. }) => {
+                raised::StorageError::new_err(escaped(&fault.to_string()).into_owned())
+            }
             Failure::Fault(Fault::Usage(text)) => raised::InputError::new_err((escaped(&text).into_owned(),)),
             Failure::Fault(Fault::Input(error)) => {
                 // A traceback prints the message; the other values are what they are.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
 use underbrush_experiments::{VerdictControl, audit};
-use underbrush_recording::disk::{Dataset, DiskError, Shard, Shards, make_room};
+use underbrush_recording::disk::{Dataset, DiskError, Shard, Shards, check_not_input, make_room};
 use underbrush_recording::stop;
 
 use crate::dataset::lasting;
@@ -45,7 +45,7 @@ pub fn generate(
     }
     campaign.shard = part;
     check_room(&out, &[], resume, force)?;
-    write(py, &campaign, &out, resume, &stop, progress, jobs).map(Some)
+    write(py, &campaign, &out, [resume, force], &stop, progress, jobs).map(Some)
 }
 
 /// Make a data set again from what it stores.
@@ -64,18 +64,18 @@ pub fn generate_again(
     let source = Dataset::open(&dataset)?;
     let campaign = Campaign::of(&source, verdicts)?;
     check_room(&out, &[dataset], resume, force)?;
-    let made = write(py, &campaign, &out, resume, &Arc::default(), progress, jobs)?;
+    let made = write(py, &campaign, &out, [resume, force], &Arc::default(), progress, jobs)?;
     require_same_reaches(&made.dataset, &source)?;
     Ok(made)
 }
 
-/// With `force`, removes the data set in a folder that is not one of the inputs. It cannot be resumed then.
+/// Demands that a set is not both resumed and removed, and that its folder is not one of the inputs.
 fn check_room(out: &Path, inputs: &[PathBuf], resume: bool, force: bool) -> Result<(), Failure> {
     if resume && force {
         let allowed = "either resume or force";
         return Err(Failure::argument("force", "True with resume", allowed, "leave one out"));
     }
-    Ok(make_room(out, inputs, force)?)
+    Ok(check_not_input(out, inputs)?)
 }
 
 /// Part I of N, counted from 1.
@@ -96,13 +96,13 @@ pub fn write(
     py: Python<'_>,
     campaign: &Campaign,
     out: &Path,
-    resume: bool,
+    [resume, force]: [bool; 2],
     stop: &Arc<Stop>,
     progress: Option<Py<PyAny>>,
     jobs: Option<usize>,
 ) -> Result<PyDataset, Failure> {
     let out = lasting(out)?;
-    let run = |reported: &Reported| Ok(campaign.write(&out, resume, reported)?);
+    let run = |reported: &Reported| Ok(campaign.overwrite(&out, resume, force, reported)?);
     Ok(audited(watched(py, jobs, stop, progress, run)?))
 }
 
@@ -147,10 +147,14 @@ pub fn merge(
 ) -> Result<PyDataset, Failure> {
     check_room(&out, &parts, resume, force)?;
     let out = lasting(&out)?;
-    let merge = |_: &_| match Shards::open(&parts)?.merge(&out, resume, stop::check) {
-        // With `resume`, this means that the set has the same plan.
-        Err(DiskError::Finished { .. }) if resume => Ok(Dataset::open(&out)?),
-        merged => Ok(merged?),
+    let merge = |_: &_| {
+        let shards = Shards::open(&parts)?;
+        make_room(&out, force)?;
+        match shards.merge(&out, resume, stop::check) {
+            // With `resume`, this means that the set has the same plan.
+            Err(DiskError::Finished { .. }) if resume => Ok(Dataset::open(&out)?),
+            merged => Ok(merged?),
+        }
     };
     Ok(PyDataset::new(watched(py, None, &Arc::default(), None, merge)?))
 }

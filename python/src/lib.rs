@@ -60,7 +60,7 @@ mod _core {
         frame::PyFrame,
         generate::{generate, generate_again, merge},
         online::{Online, online},
-        picture::{_check_free, PyCamera, replay_page},
+        picture::{_check_free, _with_recordings, PyCamera, replay_page},
         reach::{Reach, simulate},
         scene::PyScene,
         simulation::{PySimulation, step_many},

@@ -9,7 +9,7 @@ use glam::DVec3;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rayon::prelude::*;
-use underbrush_recording::disk::check_free;
+use underbrush_recording::disk::{check_free, with_recordings};
 use underbrush_recording::{Frame, Recording, stop};
 use underbrush_render::{Camera, RenderError, Scene, Size, Stage, fullest};
 use underbrush_replay::{Judging, Source, single_file};
@@ -170,7 +170,7 @@ fn each<T: Send + Clone>(
     Ok(drawn.concat())
 }
 
-/// The page with some reaches of data sets and recordings inside, as the text of one HTML file.
+/// The page with some reaches of data sets, recordings, folders of recordings and tables of trials inside, as the text of one HTML file.
 #[pyfunction]
 #[pyo3(signature = (paths, reaches = None, *, model = None, patch = None))]
 pub fn replay_page(
@@ -182,10 +182,16 @@ pub fn replay_page(
 ) -> Result<String, Failure> {
     pool::detached(py, None, || {
         let judging = model.map(|path| Judging::load(&path, patch.as_deref())).transpose()?;
-        let source = Source::open(&paths, known(), judging)?;
+        let source = Source::open(&with_recordings(&paths)?, known(), judging)?;
         let all = (0..source.reaches.len()).collect();
         Ok(single_file(&source, &reaches.unwrap_or(all), MAX_PAGE_BYTES)?)
     })
+}
+
+/// The same paths, but in place of a folder of recordings the recordings in it.
+#[pyfunction]
+pub fn _with_recordings(paths: Vec<PathBuf>) -> Result<Vec<PathBuf>, Failure> {
+    Ok(with_recordings(&paths)?)
 }
 
 /// Refuses a path where a file is already, unless ``force`` says that it may be overwritten.

@@ -68,6 +68,11 @@ pub struct PythonClassifier {
     pub raised: Arc<Stop>,
 }
 
+/// The attribute `features` of an object, if it has one.
+fn features_of<'py>(object: &Bound<'py, PyAny>) -> Option<Bound<'py, PyAny>> {
+    object.getattr("features").ok().filter(|features| !features.is_none())
+}
+
 impl PythonClassifier {
     /// A classifier that keeps in `raised` what the object raises.
     ///
@@ -84,7 +89,9 @@ impl PythonClassifier {
             let allowed = "a list of different names in alphabetical order, which is also the order of the scores";
             Failure::argument("categories", found, allowed, "give the fitted classifier such an attribute")
         })?;
-        let features = crate::given::features(object.getattr("features").ok().as_ref())?;
+        // An estimator that chooses its features has none as its parameter, but its fitted model has them.
+        let found = features_of(object).or_else(|| features_of(&object.getattr("model_").ok()?));
+        let features = crate::given::features(found.as_ref())?;
         Ok(PythonClassifier {
             object: Arc::new(object.clone().unbind()),
             categories,

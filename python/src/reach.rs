@@ -81,17 +81,18 @@ impl Reach {
         }
     }
 
-    /// The whole recording. If the reach is in a data set, it is read when it is first needed.
+    /// The whole recording. If the reach is in a data set, it is read when it is first needed, and kept.
     pub fn recording(&self) -> Result<Arc<Recording>, Failure> {
-        match &self.source {
-            Source::Memory(recording) => Ok(Arc::clone(recording)),
-            Source::Dataset(dataset, index) => {
-                if let Some(whole) = self.whole.get() {
-                    return Ok(Arc::clone(whole));
-                }
-                let read = Arc::new(dataset.read_reach(*index)?);
-                Ok(Arc::clone(self.whole.get_or_init(|| read)))
-            }
+        let read = self.read()?;
+        Ok(Arc::clone(self.whole.get_or_init(|| read)))
+    }
+
+    /// The whole recording. If it is read for this call it is not kept, so that memory is enough for any number of reaches.
+    pub fn read(&self) -> Result<Arc<Recording>, Failure> {
+        match (&self.source, self.whole.get()) {
+            (_, Some(whole)) => Ok(Arc::clone(whole)),
+            (Source::Memory(recording), None) => Ok(Arc::clone(recording)),
+            (Source::Dataset(dataset, index), None) => Ok(Arc::new(dataset.read_reach(*index)?)),
         }
     }
 
@@ -232,22 +233,23 @@ impl Reach {
         kind: &str,
         arrows: bool,
     ) -> Answer<'py> {
-        picture::draw_frames(py, (&*self.recording()?, &frames), (width, height), camera, (kind, arrows))
+        let recording = alone(py, || self.recording())?;
+        picture::draw_frames(py, (&recording, &frames), (width, height), camera, (kind, arrows))
     }
 
     /// Draw a frame, or else the first of those in which the most taxels read a force, with arrows of the forces.
     #[pyo3(signature = (frame = None))]
     fn draw<'py>(&self, py: Python<'py>, frame: Option<usize>) -> Answer<'py> {
-        Ok(picture::shown(py, picture::png_of(&*self.recording()?, frame)?)?)
+        Ok(picture::shown(py, alone(py, || picture::png_of(&*self.recording()?, frame))?)?)
     }
 
     /// A picture for notebooks; `None` for a robot's log, whose shapes nobody knows.
     fn _repr_png_<'py>(&self, py: Python<'py>) -> Result<Option<Bound<'py, PyBytes>>, Failure> {
-        let recording = self.recording()?;
+        let recording = alone(py, || self.recording())?;
         if recording.bodies.iter().all(|body| body.parts.is_empty()) || recording.frames.is_empty() {
             return Ok(None);
         }
-        Ok(Some(PyBytes::new(py, &picture::png_of(&recording, None)?)))
+        Ok(Some(PyBytes::new(py, &alone(py, || picture::png_of(&recording, None))?)))
     }
 
     /// What the numbers of a segmentation mean, as in ``Simulation.labels``.

@@ -35,6 +35,10 @@ impl PySimulation {
         let goal = simulation.clutter().goals.first().copied().unwrap_or(DVec3::ZERO);
         PyFrame { frame: simulation.frame(0, goal), layout: Arc::clone(&self.layout) }
     }
+
+    fn png(&self, py: Python<'_>) -> Result<Vec<u8>, Failure> {
+        alone(py, || picture::png(&*self.lock()?))
+    }
 }
 
 #[pymethods]
@@ -122,7 +126,7 @@ impl PySimulation {
 
     /// Draw arm and clutter as they are now, with an arrow for each contact force on the arm.
     fn draw<'py>(&self, py: Python<'py>) -> Answer<'py> {
-        Ok(picture::shown(py, picture::png(&*self.lock()?)?)?)
+        Ok(picture::shown(py, self.png(py)?)?)
     }
 
     /// A picture of arm and clutter as they are now, as an array that may be written. ``"rgb"``: (height, width, 3), uint8, with
@@ -152,7 +156,7 @@ impl PySimulation {
     }
 
     fn _repr_png_<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyBytes>, Failure> {
-        Ok(PyBytes::new(py, &picture::png(&*self.lock()?)?))
+        Ok(PyBytes::new(py, &self.png(py)?))
     }
 
     fn __repr__(&self) -> String {

@@ -195,7 +195,7 @@ pub fn benchmark_part(
     }
     let mut campaign = sets.swap_remove(place).campaign;
     campaign.shard = Some(generate::part(shard)?);
-    generate::write(py, &campaign, &part, false, &stop, None, jobs).map(drop)
+    generate::write(py, &campaign, &part, [false; 2], &stop, None, jobs).map(drop)
 }
 
 fn entry(

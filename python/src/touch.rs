@@ -5,21 +5,23 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use serde_json::json;
-use underbrush_classifier::FORMAT;
 use underbrush_classifier::any_model::{self, AnyModel, OnlineModel};
 use underbrush_classifier::evaluate::touch_folds::{
     ReadReaches, add_auxiliary, cross_validate_touch, judge_touch, touch_examples,
 };
 use underbrush_classifier::touch::{TOUCH_FORMAT, TouchExamples, TouchModel, TouchOptions};
+use underbrush_classifier::{DataSource, FORMAT};
 use underbrush_experiments::model_data;
-use underbrush_recording::{Recording, stop};
+use underbrush_recording::disk::{is_folder, read_recording, with_recordings};
+use underbrush_recording::{Fault, Recording, stop};
 
 use crate::classifier::other_kind;
 use crate::online::Online;
 use crate::reach::Reach;
-use crate::{Answer, Failure, Skin, given, json, watched};
+use crate::{Answer, Failure, PyDataset, Skin, alone, given, json, watched};
 
-/// A touch model: what presses on each taxel (nothing, a category, uncertain or unknown), in every frame.
+/// A touch model: what presses on each taxel (nothing, a category, uncertain or unknown), in every frame. Reaches are given as a
+/// data set, as a list of reaches, or by the path of a data set, a recording or a folder of recordings, or a list of such paths.
 #[pyclass(frozen, name = "TouchModel", module = "underbrush._core")]
 pub struct PyTouchModel {
     model: Arc<TouchModel>,
@@ -43,25 +45,25 @@ impl PyTouchModel {
     /// whose categories the others lack are unknown objects to train on; without them nothing is called unknown.
     #[staticmethod]
     #[pyo3(signature = (
-        reaches, patch = None, *, auxiliary = Vec::new(), threshold_n = None, limit_wrong = None, jobs = None
+        reaches, patch = None, *, auxiliary = None, threshold_n = None, limit_wrong = None, jobs = None
     ), text_signature = "(reaches, patch=None, *, auxiliary=(), threshold_n=None, limit_wrong=None, jobs=None)")]
     fn fit(
         py: Python<'_>,
-        reaches: Vec<Py<Reach>>,
+        reaches: &Bound<'_, PyAny>,
         patch: Option<String>,
-        auxiliary: Vec<Py<Reach>>,
+        auxiliary: Option<&Bound<'_, PyAny>>,
         threshold_n: Option<f64>,
         limit_wrong: Option<f64>,
         jobs: Option<usize>,
     ) -> Result<Self, Failure> {
         let options = TouchOptions::of(patch, threshold_n);
-        let reaches = Given(&reaches);
-        let auxiliary = Given(&auxiliary);
+        let reaches = Given::of("reaches", reaches)?;
+        let auxiliary = auxiliary.map_or(Ok(Given::default()), |own| Given::of("auxiliary", own))?;
         let fit = |_: &_| {
             let mut examples = touch_examples(&reaches, options)?;
             add_auxiliary(&mut examples, &auxiliary)?;
             let mut model = examples.fit(limit_wrong)?;
-            let sources = Reach::sources(reaches.0.iter().chain(auxiliary.0).map(Py::get));
+            let sources = sources(reaches.0.iter().chain(&auxiliary.0))?;
             model.provenance = model_data::provenance(json!({ "limit_wrong": limit_wrong }), sources);
             Ok(model)
         };
@@ -78,7 +80,7 @@ impl PyTouchModel {
     ))]
     fn cross_validate<'py>(
         py: Python<'py>,
-        reaches: Vec<Py<Reach>>,
+        reaches: &Bound<'py, PyAny>,
         patch: Option<String>,
         folds: usize,
         threshold_n: Option<f64>,
@@ -86,7 +88,7 @@ impl PyTouchModel {
         jobs: Option<usize>,
     ) -> Answer<'py> {
         let options = TouchOptions::of(patch, threshold_n);
-        let reaches = Given(&reaches);
+        let reaches = Given::of("reaches", reaches)?;
         let fit = |examples: &TouchExamples| Ok(examples.fit(limit_wrong)?);
         let judge = |_: &_| cross_validate_touch(folds, options, &reaches, fit, Failure::from);
         json::to_python(py, &watched(py, jobs, &Arc::default(), None, judge)?)
@@ -141,11 +143,11 @@ impl PyTouchModel {
     }
 
     /// Judge the frames of reaches with ground truth.
-    fn evaluate<'py>(&self, py: Python<'py>, reaches: Vec<Py<Reach>>) -> Answer<'py> {
-        for data in Reach::sources(reaches.iter().map(Py::get)) {
+    fn evaluate<'py>(&self, py: Python<'py>, reaches: &Bound<'py, PyAny>) -> Answer<'py> {
+        let reaches = Given::of("reaches", reaches)?;
+        for data in alone(py, || sources(&reaches.0))? {
             self.model.provenance.warn_of_rate(data.name.as_deref().unwrap_or("reaches"), data.rate_hz);
         }
-        let reaches = Given(&reaches);
         let judge = |_: &_| judge_touch(self.model.as_ref().clone(), &reaches);
         json::to_python(py, &watched(py, None, &Arc::default(), None, judge)?)
     }
@@ -159,10 +161,64 @@ impl PyTouchModel {
     }
 }
 
-/// Reaches that a caller gave.
-struct Given<'a>(&'a [Py<Reach>]);
+/// A reach of Python, or the file of one.
+enum Place {
+    Reach(Py<Reach>),
+    File(PathBuf),
+}
 
-impl ReadReaches for Given<'_> {
+/// Reaches that a caller gave.
+#[derive(Default)]
+struct Given(Vec<Place>);
+
+impl Given {
+    /// The reaches of a data set, of a list, or of paths.
+    ///
+    /// # Errors
+    /// `Fault::Input` for anything else, and if a folder cannot be read.
+    fn of(argument: &str, value: &Bound<'_, PyAny>) -> Result<Self, Failure> {
+        let refused = |found: &Bound<'_, PyAny>| {
+            let found = format!("an object of type {}", found.get_type());
+            let allowed = "a Dataset, a list of reaches, or paths of data sets, recordings and folders of recordings";
+            Failure::argument(argument, found, allowed, "give one of them")
+        };
+        let items: Vec<Bound<'_, PyAny>> = match value.extract::<PathBuf>() {
+            Ok(_) => vec![value.clone()],
+            Err(_) => value.extract().map_err(|_| refused(value))?,
+        };
+        let mut places = Vec::new();
+        for item in items {
+            if let Ok(reach) = item.cast::<Reach>() {
+                places.push(Place::Reach(reach.clone().unbind()));
+                continue;
+            }
+            let path: PathBuf = item.extract().map_err(|_| refused(&item))?;
+            for path in alone(item.py(), || Ok(with_recordings(&[path])?))? {
+                if is_folder(&path)? {
+                    let dataset = item.py().get_type::<PyDataset>().call1((path,))?;
+                    places.extend(dataset.extract::<Vec<Py<Reach>>>()?.into_iter().map(Place::Reach));
+                } else {
+                    places.push(Place::File(path));
+                }
+            }
+        }
+        Ok(Given(places))
+    }
+}
+
+/// The data that reaches are from.
+fn sources<'a>(places: impl IntoIterator<Item = &'a Place>) -> Result<Vec<DataSource>, Failure> {
+    let (mut reaches, mut files) = (Vec::new(), Vec::new());
+    for place in places {
+        match place {
+            Place::Reach(reach) => reaches.push(reach.get()),
+            Place::File(path) => files.push(model_data::of_path(path)?),
+        }
+    }
+    Ok([Reach::sources(reaches), files].concat())
+}
+
+impl ReadReaches for Given {
     type Error = Failure;
 
     fn count(&self) -> usize {
@@ -175,9 +231,15 @@ impl ReadReaches for Given<'_> {
         each: &mut dyn FnMut(&Recording) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let mut kept = self.0.iter().enumerate().filter(|(position, _)| keeps(*position));
-        kept.try_for_each(|(_, reach)| {
+        kept.try_for_each(|(_, place)| {
             stop::check();
-            each(&*reach.get().recording()?)
+            match place {
+                Place::Reach(reach) => each(&*reach.get().read()?),
+                Place::File(path) => each(&read_recording(path)?).map_err(|failure| match failure {
+                    Failure::Fault(Fault::Usage(text)) => Fault::Usage(format!("{}: {text}", path.display())).into(),
+                    other => other,
+                }),
+            }
         })
     }
 }

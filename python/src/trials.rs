@@ -75,8 +75,11 @@ impl Trials {
     #[staticmethod]
     #[pyo3(signature = (path, min_samples = 1))]
     fn load(py: Python<'_>, path: PathBuf, min_samples: usize) -> Result<Self, Failure> {
-        let read = || Ok((read_trials(&path)?, model_data::of_path(&path)?));
-        let (mut list, source) = alone(py, read)?;
+        let read = || {
+            let list = read_trials(&path)?;
+            Ok((model_data::of_table(&path, &list)?, list))
+        };
+        let (source, mut list) = alone(py, read)?;
         list.retain(|trial| trial.samples.len() >= min_samples);
         Ok(Trials::new(list).cut_from(vec![source]))
     }

@@ -59,6 +59,7 @@ def test_what_does_not_go_with_a_track_is_refused(tmp_path: Path) -> None:
         ("verdicts", {"controller": "blind"}, "controller"),
         ("reaching", {}, "controller"),
         ("reaching", {"model": "touch.json", "controller": "blind"}, "model"),
+        ("reaching", {"controller": "cody-2013", "verdicts": "truth"}, "verdicts: found truth; allowed: what a robot can sense"),
     ):
         with pytest.raises(ub.InputError, match=argument):
             ub.benchmark(track, tmp_path, progress=False, **options)

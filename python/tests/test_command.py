@@ -128,6 +128,27 @@ def test_a_film_is_of_one_reach(data: underbrush.Dataset, tmp_path: Path, reache
     assert mp4.stderr == gif.stderr and list(tmp_path.iterdir()) == []
 
 
+def test_a_folder_of_recordings_stands_for_them(data: underbrush.Dataset, tmp_path: Path) -> None:
+    """Tests that films as MP4 and as GIF, which the command line writes, are of a reach in a folder of recordings, that a reach
+    that is not there is refused alike, and that exports hold all reaches of the folder."""
+    folder = tmp_path / "felt"
+    folder.mkdir()
+    for index in (0, 1):
+        data[index].save(folder / f"reach-{index}.parquet")
+    options = ["--size", "128x96", "--fps", "10", "--speed", "4"]
+    gif, mp4 = ([run("replay", str(folder), "--video", str(tmp_path / f"{number}.{kind}"), "--reaches", number, *options)
+                 for number in ("1", "2")] for kind in ("gif", "mp4"))
+    assert [found.returncode for found in gif] == [found.returncode for found in mp4] == [0, 2], mp4[0].stderr
+    assert mp4[0].stdout == f"{(len(data[1]) - 1) // 40 + 1} pictures in {tmp_path / '1.mp4'}\n"
+    assert mp4[1].stderr == gif[1].stderr
+    for kind in ("mcap", "ros2", "hdf5"):
+        exported = run("export", str(folder), "--to", kind, "--out", str(tmp_path / kind))
+        assert exported.returncode == 0, exported.stderr
+    underbrush.mcap.export([data[0], data[1]], tmp_path / "module")
+    expected = [file.read_bytes() for file in sorted((tmp_path / "module").iterdir())]
+    assert [file.read_bytes() for file in sorted((tmp_path / "mcap").iterdir())] == expected and len(expected) == 2
+
+
 @pytest.mark.parametrize(("option", "value"), [("--reaches", "-1"), ("--reaches", "x"), ("--size", "160")])
 def test_values_of_films_that_are_wrong_are_named(data: underbrush.Dataset, tmp_path: Path, option: str, value: str) -> None:
     """Tests that a wrong reach or size is an error with the option and the value that were given."""

@@ -12,6 +12,7 @@ import polars
 import pyarrow
 import pytest
 from conftest import quick
+from mcap.reader import make_reader
 
 import underbrush as ub
 import underbrush.mcap
@@ -221,7 +222,8 @@ def test_map_style_data_sets(data: ub.Dataset, trials: ub.Trials) -> None:
 
 
 def test_a_log_says_that_it_is_one(tmp_path: Path, command: Callable[..., Any]) -> None:
-    """Tests that a reach imported from a robot's log shows no seed and no controller, and that a simulated one is no log."""
+    """Tests that a reach imported from a robot's log shows no seed, no controller and no goal, and that a simulated one is no
+    log."""
     (tmp_path / "log.csv").write_text("what,f0\n" + "leaf,0.5\n" * 10)
     (tmp_path / "taxels.csv").write_text("x_m,y_m,z_m,normal_x,normal_y,normal_z,area_m2\n0,0,0,0,0,1,1e-4\n")
     (tmp_path / "map.toml").write_text(
@@ -235,4 +237,7 @@ def test_a_log_says_that_it_is_one(tmp_path: Path, command: Callable[..., Any]) 
     # One joint and one taxel have an axis, too.
     assert log.joint_angle_rad.shape == (10, 1) and log.sensed_force_n("pad").shape == (10, 1)
     ub.mcap.export(log, tmp_path / "log.mcap")
+    with open(tmp_path / "log.mcap", "rb") as file:
+        topics = {channel.topic for _, channel, _ in make_reader(file).iter_messages()}
+    assert "/joint_states" in topics and "/goal" not in topics
     assert not ub.reach(quick("trunk"), 1).is_log

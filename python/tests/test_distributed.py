@@ -46,6 +46,17 @@ def test_parts_of_another_call_are_refused(tmp_path: Path) -> None:
         claim()
 
 
+def test_verdicts_of_parts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tests that parts have a touch model by its absolute path, and the true categories as such."""
+    parts: list[Any] = []
+    monkeypatch.setattr(distributed, "_connect", lambda address: None)
+    monkeypatch.setattr(distributed, "_in_parts", lambda make, *rest: parts.append(make))
+    for verdicts in (tmp_path / "touch.json", "touch.json", "truth", None):
+        distributed.generate("leaf", 1, tmp_path / "set", verdicts=verdicts)
+    found = [make.keywords["verdicts"] for make in parts]
+    assert found == [tmp_path / "touch.json", Path("touch.json").absolute(), Path("truth"), None]
+
+
 def test_a_finished_set_is_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Tests that a call whose set is finished opens it without any task, and that the set of another call is
     refused."""

@@ -156,7 +156,12 @@ def test_bad_use_is_refused() -> None:
     many = gymnasium.make_vec("underbrush/Reach-v0", num_envs=2, scene=SCENE)
     with pytest.raises(gymnasium.error.ResetNeeded):
         many.step(np.zeros((2, 7), np.float32))
-    many.reset(seed=0)
+    # Each environment must begin.
+    many.reset(seed=4, options={"reset_mask": np.array([True, False])})
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        many.step(np.zeros((2, 7), np.float32))
+    many.reset(options={"reset_mask": np.array([False, True])})
+    many.step(np.zeros((2, 7), np.float32))
     with pytest.raises(ub.InputError, match=r"shape \(3, 7\)"):
         many.step(np.zeros((3, 7), np.float32))
     with pytest.raises(ub.InputError, match="NaN"):

@@ -2,6 +2,8 @@
 
 import json
 import pickle
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -233,6 +235,37 @@ def test_touch_models_are_evaluated_as_by_the_command_line(data: ub.Dataset, tmp
     ):
         with pytest.raises(ub.InputError, match=reason):
             ub.TouchModel.cross_validate(given, folds=folds)
+
+
+def test_a_folder_of_recordings_stands_for_them(data: ub.Dataset, tmp_path: Path, command) -> None:
+    """Tests that touch models and the replay page take a folder of recordings and paths as the command line does, and that
+    other objects are refused."""
+    folder, touch, page = tmp_path / "felt", tmp_path / "touch.json", tmp_path / "page.html"
+    folder.mkdir()
+    for index, reach in enumerate(data):
+        reach.save(folder / f"reach-{index}.parquet")
+    model = ub.TouchModel.fit(folder)
+    command("train", folder, "--classifier", "touch", "--out", touch)
+    assert model.to_json() == ub.TouchModel.fit(sorted(folder.iterdir())).to_json() == touch.read_text()
+    assert ub.TouchModel.fit(str(data.path)).to_json() == ub.TouchModel.fit(data).to_json()
+    assert model.evaluate(folder) == command("evaluate", folder, "--model", touch)
+    judged = ub.TouchModel.cross_validate(folder, folds=3)
+    assert judged == command("evaluate", folder, "--classifier", "touch", "--folds", 3)
+    command("replay", folder, "--out", page)
+    assert ub.replay(folder).html == page.read_text()
+    for wrong in (3, [3], [data]):
+        with pytest.raises(ub.InputError, match="argument: reaches: found an object of type .*; allowed: a Dataset"):
+            ub.TouchModel.fit(wrong)  # type: ignore[arg-type]
+
+
+def test_fitting_keeps_no_reaches_in_memory(data: ub.Dataset, tmp_path: Path) -> None:
+    """Tests that reaches of a data set that a touch model was fitted to are read again when they are needed."""
+    copied = shutil.copytree(data.path, tmp_path / "copied")
+    reaches = list(ub.Dataset(copied))
+    ub.TouchModel.fit(reaches)
+    shutil.rmtree(copied / "data")
+    with pytest.raises((ub.InputError, ub.RunError)):
+        reaches[0].frame(0)
 
 
 def test_bad_frames_are_refused(data: ub.Dataset) -> None:

@@ -37,6 +37,9 @@ def test_only_force_overwrites(data: ub.Dataset, trials: ub.Trials, tmp_path: Pa
         ub.generate_again(out, out, force=True, progress=False)
     with pytest.raises(ub.InputError, match="leave one out"):
         ub.generate(quick("leaf"), 1, out, resume=True, force=True, progress=False)
+    part = ub.generate(quick("leaf"), 2, tmp_path / "part", shard=(1, 2), progress=False)
+    with pytest.raises(ub.InputError, match="without 2/2"):
+        ub.merge([part.path], out, force=True)
     assert len(ub.Dataset(out)) == 1
 
 

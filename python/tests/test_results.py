@@ -71,10 +71,13 @@ def test_reaches_and_data_sets_have_their_types(data: ub.Dataset) -> None:
 
 
 def test_verdicts_and_evaluations_have_their_types(data: ub.Dataset) -> None:
-    """Tests the verdicts of a model of trials and of a touch model, and what evaluations of both return."""
+    """Tests the verdicts of a model of trials and of a touch model, and what evaluations of both return, also of trials without
+    reaches and ground truth."""
     reaches = [data[index] for index in range(len(data))]
     trials = data.trials(labels="environment", min_samples=5)
-    _check(ub.evaluate(trials, ub.Options(states=2)), results.Evaluation, "evaluation")
+    plain = ub.Trials.from_sequences(trials.sequences(), trials.categories)
+    for own in (trials, plain):
+        _check(ub.evaluate(own, ub.Options(states=2)), results.Evaluation, "evaluation")
     touch = ub.TouchModel.load(Path(__file__).parents[2] / "suites" / "touch.json")
     _check(touch.evaluate(reaches), results.TouchEvaluation, "touch evaluation")
     for online, has_objects in ((ub.fit(trials, states=2).online(data.skin, "forearm"), False), (touch.online(data.skin), True)):

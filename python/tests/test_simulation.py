@@ -129,6 +129,26 @@ def test_the_jacobian_is_that_of_the_end_effector() -> None:
         assert np.allclose(difference, jacobian[:, joint], atol=1e-8)
 
 
+def test_an_arm_is_pickled_with_its_springs() -> None:
+    """Tests that a pickled arm of a scene with stiffer joints is the same arm, bit for bit, also for its controller."""
+    scene = ub.Scene("leaf").changed({"robot": {"stiffness_scale": 1.7}})
+    arm = ub.Simulation(scene, seed=1).arm
+    again = pickle.loads(pickle.dumps(arm))
+    assert again.files == arm.files and again.skin == arm.skin and again.joints == arm.joints
+    assert np.array_equal(again.stiffness_nm_per_rad, arm.stiffness_nm_per_rad)
+    assert not np.array_equal(again.stiffness_nm_per_rad, ub.Arm.cody().stiffness_nm_per_rad)
+    both = [ub.ShippedController(own) for own in (arm, again)]
+    same = []
+
+    def controller(given: ub.ControllerInput) -> np.ndarray:
+        answers = [own(given) for own in both]
+        same.append(np.array_equal(*answers))
+        return answers[0]
+
+    ub.reach(scene.changed({"goals": {"count": 1, "retries": 0, "patience_s": 1.0}}), seed=1, controller=controller)
+    assert same and all(same)
+
+
 def test_pictures_have_the_things_that_are_there() -> None:
     """Tests that the kinds of pictures have their shapes and types, that a link is as far away as it is, that labels name it,
     and that a picture changes with the arm and with the camera."""

@@ -142,6 +142,21 @@ def test_folds_do_not_share_a_classifier(trials: ub.Trials) -> None:
     assert not hasattr(own, "model_")
 
 
+def test_features_that_a_classifier_chooses(data: ub.Dataset, trials: ub.Trials) -> None:
+    """Tests that an estimator with the classifier's own features has the figures of that classifier, and its scores in a stream."""
+    own = ours.LogisticClassifier(features=None)
+    expected = ub.evaluate(trials, ub.Options("logistic"), decision="argmax")["accuracy"]
+    assert ub.evaluate(trials, own, decision="argmax")["accuracy"] == expected
+    fitted = own.fit_trials(trials)
+    streams = ub.online(fitted, data.skin), fitted.online(data.skin)
+    felt = 0
+    for index in range(len(data[0])):
+        found, wanted = ([list(taxel["scores"].values()) for taxel in own.update(data[0].frame(index))] for own in streams)
+        assert np.allclose(found, wanted)
+        felt += len(found)
+    assert felt > 0
+
+
 def test_categories_out_of_order_are_named(trials: ub.Trials) -> None:
     """Tests that the error about categories in the wrong order shows them."""
 

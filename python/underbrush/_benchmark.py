@@ -78,5 +78,11 @@ def entry(
     return {
         "model": None if model is None else Path(model).absolute(),
         "controller": controller,
-        "verdicts": None if verdicts is None else Path(verdicts).absolute(),
+        "verdicts": lasting(verdicts),
     }
+
+
+def lasting(verdicts: str | os.PathLike[str] | None) -> Path | None:
+    """Verdicts as a process in another folder finds them: ``truth`` and ``none`` are no files."""
+    path = None if verdicts is None else Path(verdicts)
+    return path if path is None or str(path) in ("truth", "none") else path.absolute()

@@ -14,6 +14,7 @@ from ._types import ControllerLike, Decision, Features, FittedClassifier, SceneL
 _Array: TypeAlias = NDArray[np.float64]
 _Path: TypeAlias = str | os.PathLike[str]
 _Json: TypeAlias = dict[str, Any]
+_Reaches: TypeAlias = Dataset | _Path | Sequence[Reach | _Path]
 
 __all__ = [
     "Arm",
@@ -57,6 +58,7 @@ __all__ = [
     "step_many",
     "validate",
     "_check_free",
+    "_with_recordings",
 ]
 
 __version__: str
@@ -155,6 +157,9 @@ class Arm:
     @property
     def limits_rad(self) -> _Array: ...
     def end_effector(self, joint_angle_rad: ArrayLike) -> tuple[_Array, _Array]: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    @staticmethod
+    def _from_json(text: str) -> Arm: ...
 
 @final
 class Simulation:
@@ -547,10 +552,10 @@ def online(
 class TouchModel:
     @staticmethod
     def fit(
-        reaches: Dataset | Sequence[Reach],
+        reaches: _Reaches,
         patch: str | None = None,
         *,
-        auxiliary: Dataset | Sequence[Reach] = ...,
+        auxiliary: _Reaches = ...,
         threshold_n: float | None = None,
         limit_wrong: float | None = None,
         jobs: int | None = None,
@@ -568,10 +573,10 @@ class TouchModel:
     @property
     def provenance(self) -> _Json: ...
     def online(self, skin: Skin) -> Online: ...
-    def evaluate(self, reaches: Dataset | Sequence[Reach]) -> TouchEvaluation: ...
+    def evaluate(self, reaches: _Reaches) -> TouchEvaluation: ...
     @staticmethod
     def cross_validate(
-        reaches: Dataset | Sequence[Reach],
+        reaches: _Reaches,
         patch: str | None = None,
         *,
         folds: int = 2,
@@ -677,6 +682,7 @@ def run_campaign(
     jobs: int | None = None,
 ) -> None: ...
 def _check_free(path: _Path, force: bool) -> None: ...
+def _with_recordings(paths: Sequence[_Path]) -> list[Path]: ...
 def replay_page(
     paths: Sequence[_Path],
     reaches: Sequence[int] | None = None,

@@ -38,18 +38,18 @@ def each(reaches: _core.Reach | _core.Dataset | Iterable[_core.Reach]) -> Iterat
     """The reaches one by one."""
     if isinstance(reaches, _core.Reach):
         return iter([reaches])
-    return (reaches[index] for index in range(len(reaches))) if isinstance(reaches, _core.Dataset) else iter(reaches)
+    return iter(reaches)
 
 
 def reaches_in(places: list[Path], out: Path) -> tuple[int, Iterator[_core.Reach]]:
-    """The number of reaches in data sets and recordings, and the reaches. None of the places may be the output."""
+    """The number of reaches in data sets, recordings and folders of them, and the reaches. None of the places may be the output."""
     if any(out.exists() and place.exists() and out.samefile(place) for place in places):
         raise InputError(f"{out}: is an input of this command; choose another name", file=str(out))
-    sets = [_core.Dataset(place) if place.is_dir() else place for place in places]
+    sets = [_core.Dataset(place) if place.is_dir() else place for place in _core._with_recordings(places)]
 
     def read() -> Iterator[_core.Reach]:
         for one in sets:
-            yield from each(one) if isinstance(one, _core.Dataset) else [_core.Reach.load(one)]
+            yield from one if isinstance(one, _core.Dataset) else [_core.Reach.load(one)]
 
     return sum(len(one) if isinstance(one, _core.Dataset) else 1 for one in sets), read()
 
@@ -57,7 +57,7 @@ def reaches_in(places: list[Path], out: Path) -> tuple[int, Iterator[_core.Reach
 def export_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser], help: str, out: str) -> argparse.ArgumentParser:
     """Adds the subcommand ``export``."""
     parser = commands.add_parser("export", help=help)
-    parser.add_argument("data", nargs="+", type=Path, help="data sets (folders) or recordings (.parquet)")
+    parser.add_argument("data", nargs="+", type=Path, help="data sets or folders of recordings, or recordings (.parquet)")
     output_options(parser, out)
     return parser
 

@@ -45,7 +45,7 @@ def generate(
         equilibrium angles, rad. A class is called with the :class:`Arm` at the start of every reach. It needs a name of
         its own (its attribute ``name``, or else ``__name__``).
     verdicts : path, optional
-        A touch model that tells the controller what the skin touches.
+        A touch model that tells the controller what the skin touches. ``"truth"`` tells the true categories instead.
     resume : bool
         Continue an interrupted set.
     force : bool

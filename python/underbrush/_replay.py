@@ -39,9 +39,9 @@ def replay(
     Parameters
     ----------
     source : Reach, Dataset or path
-        A reach, a data set, or the path of a data set or recording.
+        A reach, a data set, or the path of a data set, a recording, a folder of recordings or a table of trials.
     reaches : list of int, optional
-        Numbers of the reaches of a data set; all by default.
+        Numbers of the reaches; all by default.
     model : path, optional
         A model of trials or a touch model, whose verdicts are shown.
     patch : str, optional

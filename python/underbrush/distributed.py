@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any, TypedDict, cast
 
 from . import _core
-from ._benchmark import Track, entry
+from ._benchmark import Track, entry, lasting
 from ._benchmark import benchmark as _benchmark
 from ._errors import InputError
 from ._progress import Bar, Progress
@@ -83,7 +83,7 @@ def generate(
         As for :func:`underbrush.generate`. It is sent to the tasks. Parts of a controller of your own are found again by
         its name, so give it another name when you have changed it.
     verdicts : path, optional
-        A touch model, on storage that all nodes see.
+        As for :func:`underbrush.generate`. A touch model must be on storage that all nodes see.
     address : str, optional
         Address of the cluster, such as ``"auto"``; by default the cluster that this process is connected to, or else a
         local one.
@@ -113,7 +113,7 @@ def generate(
     options: dict[str, Any] = {
         "seed": seed,
         "controller": controller,
-        "verdicts": None if verdicts is None else str(Path(verdicts).absolute()),
+        "verdicts": lasting(verdicts),
     }
     if _is_finished(Path(out)):
         # Nothing is simulated: this opens the set, or says in what another set differs or what is wrong with it.

@@ -209,9 +209,9 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArra
         self.render_mode = _render_mode(render_mode)
         self.metadata = _metadata(self.metadata, options)
         self._picture = _picture(width, height, camera)
-        self._begun = False
         self.num_envs = num_envs
         self._environments = _core.Environments(scene, num_envs, **options)
+        self._begun = np.zeros(num_envs, bool)
         self._parts = _Parts(self._environments)
         self.single_observation_space, self.single_action_space = _spaces(self._environments)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -222,25 +222,27 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArra
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode in every environment, or in those that ``options["reset_mask"]`` selects. The first reset without a
         seed draws one."""
-        if seed is None and not self._begun:
-            seed = _drawn(self.np_random)
-        if seed is None or isinstance(seed, int):
-            seeds = [None if seed is None else seed + index for index in range(self.num_envs)]
+        seeds: list[int | None]
+        if seed is None:
+            first = 0 if self._begun.all() else _drawn(self.np_random)
+            seeds = [None if begun else first + index for index, begun in enumerate(self._begun)]
+        elif isinstance(seed, int):
+            seeds = [seed + index for index in range(self.num_envs)]
         else:
             seeds = list(seed)
         super().reset(seed=seeds[0] if seeds else None)
         mask = (options or {}).get("reset_mask")
         chosen = np.ones(self.num_envs, bool) if mask is None else np.asarray(mask, bool)
         rows, found = self._environments.reset(seeds, None if mask is None else chosen.tolist())
-        self._begun = True
+        self._begun |= chosen
         return self._parts.split(rows), self._info(found, chosen)
 
     def step(
         self, actions: NDArray[np.float32]
     ) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """Take a step with every environment."""
-        if not self._begun:
-            raise gymnasium.error.ResetNeeded("no episode has begun; call reset()")
+        if not self._begun.all():
+            raise gymnasium.error.ResetNeeded("no episode has begun in some environment; call reset()")
         rows, found = self._environments.step(actions)
         known = np.ones(self.num_envs, bool)
         return self._parts.split(rows), found["reward"], found["terminated"], found["truncated"], self._info(found, known)

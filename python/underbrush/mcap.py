@@ -296,6 +296,7 @@ class _Writer:
         column = reach.column
         joints = [column(name) for name in ("observation.state", "observation.velocity", "observation.torque")]
         equilibrium, goals, none = column("action"), column("goal_position"), np.zeros(0)
+        is_new_goal = new_goals(reach)
         sensed_n = {patch["name"]: reach.sensed_force_n(patch["name"], dtype="float64") for patch in patches}
         transforms = _Transforms(bodies, objects, patches)
         for frame, time_s in enumerate(reach.time_s):
@@ -305,12 +306,18 @@ class _Writer:
             self.send("/tf", now, transforms.message(now, frame))
             if frame == 0:
                 self.send("/scene", now, _scene(bodies, objects))
-            if frame == 0 or not np.array_equal(goals[frame], goals[frame - 1]):
+            if is_new_goal[frame]:
                 self.send("/goal", now, {"deletions": [], "entities": [_goal(now, goals[frame])]})
             for patch in patches:
                 for topic, message in skin_messages(now, patch, sensed_n[patch["name"]][frame]):
                     self.send(topic, now, message)
         self.writer.finish()
+
+
+def new_goals(reach: _core.Reach) -> NDArray[np.bool_]:
+    """Whether the goal of each frame is another one than that of the frame before. A robot's log has no goals."""
+    goals = reach.column("goal_position")
+    return np.any(np.diff(goals, axis=0, prepend=np.nan) != 0, axis=1) & bool(reach.goals)
 
 
 def skin_topics(patch: dict[str, Any]) -> Iterator[tuple[str, str]]:

@@ -135,23 +135,23 @@ class CategoryFigures(TypedDict):
     correct: int
     uncertain: int
     outlier: int
-    recall: float | None
-    recall_interval: Interval | None
+    recall: float
+    recall_interval: Interval
     precision: float | None
-    f1: float | None
+    f1: float
 
 
 class Prediction(TypedDict):
     """The verdict on a trial that its model was not fitted on."""
 
     trial: int
-    reach: int
+    reach: int | None
     fold: int
     category: str
     samples: int
     scores: list[float]
     verdict: Any
-    touched: bool | None
+    touched: NotRequired[bool]
 
 
 class Evaluation(TypedDict):
@@ -162,7 +162,7 @@ class Evaluation(TypedDict):
     accuracy_interval_by_trial: Interval
     balanced_accuracy: float
     majority_baseline: float
-    by_touch: dict[str, Any]
+    by_touch: NotRequired[dict[str, Any]]
     categories: list[CategoryFigures]
     confusion: dict[str, Any]
     by_samples: NotRequired[list[dict[str, Any]]]
@@ -222,13 +222,13 @@ class TouchEvaluation(TypedDict):
     folds: NotRequired[int]
     objects: list[JudgedObject]
     object_verdicts: list[dict[str, Any]]
-    grouping: dict[str, Any]
+    grouping: dict[str, Any] | None
     unknown: UnknownObjects
     stiffness: list[dict[str, Any]]
     truths: list[dict[str, Any]]
     contacts_after_tenth_second: dict[str, Any] | None
     contacts_at_end: dict[str, Any] | None
-    by_reach: dict[str, Any] | None
+    by_reach: dict[str, Any]
     decisions: list[dict[str, Any]]
     brier_score: float | None
     calibration: list[dict[str, Any]]

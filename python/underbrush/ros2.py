@@ -150,7 +150,7 @@ class _Bag:
         equilibrium, goals, none = column("action"), column("goal_position"), np.zeros(0)
         sensed_n = {patch["name"]: reach.sensed_force_n(patch["name"], dtype="float64") for patch in patches}
         contact_n = {patch["name"]: column(f"truth.contact_force.{patch['name']}") for patch in patches}
-        transforms = mcap._Transforms(bodies, objects, [])
+        transforms, is_new_goal = mcap._Transforms(bodies, objects, []), mcap.new_goals(reach)
         zero = self.make("Vector3", x=0.0, y=0.0, z=0.0)
         with self.writer:
             for frame, time_s in enumerate(reach.time_s):
@@ -162,7 +162,7 @@ class _Bag:
                 self.joint_state("/joint_states", *(table[frame] for table in joints))
                 self.joint_state("/equilibrium", equilibrium[frame], none, none)
                 self.transforms(transforms.message(self.nanoseconds, frame))
-                if frame == 0 or not np.array_equal(goals[frame], goals[frame - 1]):
+                if is_new_goal[frame]:
                     self.markers("/goal", [mcap._goal(self.nanoseconds, goals[frame])])
                 for patch in patches:
                     self.skin(patch, sensed_n[patch["name"]][frame])
@@ -267,8 +267,8 @@ def main(arguments: list[str] | None = None) -> int:
 
     def run() -> None:
         count, reaches = _export.reaches_in(options.data, options.out)
-        is_set = len(options.data) == 1 and options.data[0].is_dir()
-        urdf_of = _urdf_of(_core.Dataset(options.data[0]) if is_set else None, options.urdf)
+        place, *others = _core._with_recordings(options.data)
+        urdf_of = _urdf_of(_core.Dataset(place) if place.is_dir() and not others else None, options.urdf)
         _export_with(urdf_of, next(reaches) if count == 1 else reaches, options.out, options.force)
 
     return _export.status(run, options)

@@ -101,8 +101,6 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
             self, X, y, ensure_all_finite="allow-nan", dtype=np.float64, estimator=self
         )
         check_classification_targets(labels)
-        if np.isinf(rows).any():
-            raise ValueError("Input X contains infinity; allowed are finite numbers, and NaN for missing samples")
         return self._fitted(_sequences(rows), labels, None)
 
     def fit_sequences(
@@ -154,8 +152,6 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
             trials = _core.Trials.from_sequences(_sequences(X), features=self.features)
         else:
             rows = validate_data(self, X, reset=False, ensure_all_finite="allow-nan", dtype=np.float64, estimator=self)
-            if np.isinf(rows).any():
-                raise ValueError("Input X contains infinity; allowed are finite numbers, and NaN for missing samples")
             trials = _core.Trials.from_sequences(_sequences(rows), features=self.features)
         return self.model_.scores(trials)[:, self._columns]
 

@@ -375,8 +375,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m underbrush.video", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
     films = commands.add_parser("film", help="write a film of a reach", formatter_class=formatter)
-    films.add_argument("data", type=Path, help="recording (.parquet) or data set (folder)")
-    films.add_argument("--reaches", type=_reaches, default=argparse.SUPPRESS, metavar="N", help="reach of the data set, from 0")
+    films.add_argument("data", type=Path, help="recording (.parquet), data set or folder of recordings")
+    films.add_argument("--reaches", type=_reaches, default=argparse.SUPPRESS, metavar="N", help="reach of the folder, from 0")
     _export.output_options(films, ".mp4 or .webp")
     films.add_argument("--fps", type=int, default=25, help="pictures per second")
     films.add_argument("--speed", type=float, default=1.0, help="how many times as fast as in reality it plays")
@@ -399,14 +399,15 @@ def main(arguments: list[str] | None = None) -> int:
     def run() -> dict[str, int]:
         size: tuple[int, int] = options.size
         if options.command == "film":
-            dataset = _core.Dataset(options.data) if options.data.is_dir() else None
-            count = 1 if dataset is None else len(dataset)
+            places = _core._with_recordings([options.data])
+            dataset = _core.Dataset(options.data) if places[0].is_dir() else None
+            count = len(places) if dataset is None else len(dataset)
             numbers = options.reaches if "reaches" in options else range(count)
             if len(numbers) != 1:
                 raise InputError(f"a picture shows one reach; choose one of {count} with --reaches N, from 0")
             if numbers[0] >= count:
                 raise InputError(f"there is no reach {numbers[0]}; give a number below {count}")
-            reach = _core.Reach.load(options.data) if dataset is None else dataset[numbers[0]]
+            reach = _core.Reach.load(places[numbers[0]]) if dataset is None else dataset[numbers[0]]
             camera = None
             if "camera" in options:
                 cameras = _cameras(dataset, None) if dataset else {}

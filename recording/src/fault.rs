@@ -55,6 +55,22 @@ impl InputError {
         InputError { file, line: None, field, found, allowed, remedy, storage: false }
     }
 
+    /// The error of the parser of a CSV text in memory, with its line.
+    #[cfg(feature = "disk")]
+    pub fn of_csv(file: &Path, field: &str, text: &[u8], error: csv::Error, remedy: &str) -> Self {
+        let line = error.position().map(|position| line_of_row(text, position));
+        // Without the parser's own lines, which leave blank ones out.
+        let (found, allowed) = match error.into_kind() {
+            csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+                (format!("{len} cells"), format!("{expected_len} cells, as in the header"))
+            }
+            csv::ErrorKind::Utf8 { .. } => ("bytes that are not UTF-8".into(), "UTF-8 text".to_string()),
+            csv::ErrorKind::Deserialize { err, .. } => (err.to_string(), "a number in each of the columns".into()),
+            other => (format!("{other:?}"), "CSV with a header line".into()),
+        };
+        InputError::new(file, field, found, allowed, remedy).at_line(line)
+    }
+
     /// The same error with its line (from 1), or with none if it is not known.
     #[must_use]
     pub fn at_line(self, line: impl Into<Option<usize>>) -> Self {
@@ -113,7 +129,7 @@ pub fn line_of_row(text: &[u8], position: &csv::Position) -> usize {
 /// let error = InputError::new("arm.toml", "mass_kg", "-1", "above 0 kg", "correct the mass");
 /// assert!(matches!(Fault::from(error.clone()), Fault::Input(_)));
 /// // The same file on a disk that fails may be read later.
-/// assert!(matches!(Fault::from(InputError { storage: true, ..error }), Fault::Storage(_)));
+/// assert!(matches!(Fault::from(InputError { storage: true, ..error }), Fault::Storage { .. }));
 /// ```
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum Fault {
@@ -127,13 +143,25 @@ pub enum Fault {
     #[error("{0}")]
     Run(String),
     /// A file could not be read or written, as on a full disk or a lost share: the same run may succeed later.
-    #[error("{0}")]
-    Storage(String),
+    #[error("{}: cannot {action}: {cause}; {remedy}", .file.display())]
+    Storage {
+        /// The file or folder.
+        file: PathBuf,
+        /// What was tried, as a verb (`read`, `write`).
+        action: &'static str,
+        /// What the operating system says.
+        cause: String,
+        /// The remedy.
+        remedy: String,
+    },
 }
 
 impl From<InputError> for Fault {
     fn from(error: InputError) -> Self {
-        if error.storage { Fault::Storage(error.to_string()) } else { Fault::Input(Box::new(error)) }
+        if !error.storage {
+            return Fault::Input(Box::new(error));
+        }
+        Fault::Storage { file: error.file, action: "read", cause: error.found, remedy: error.remedy }
     }
 }
 

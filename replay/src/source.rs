@@ -85,17 +85,19 @@ pub struct Source {
     pub reaches: Vec<Summary>,
     known: ReplayContext,
     judging: Option<Judging>,
+    /// Whether there was a warning of the rate of frames.
+    has_warned: bool,
 }
 
 impl Source {
-    /// Opens data sets (folders), recordings and tables of contact trials, in this order. Warns of those whose frames come at
-    /// another rate than those that the model was fitted to.
+    /// Opens data sets (folders), recordings and tables of contact trials, in this order. Warns once if frames come at another
+    /// rate than those that the model was fitted to.
     ///
     /// # Errors
     /// [`Fault::Input`] for a path that is none of these, and for damaged files; [`Fault::Usage`] if the model does
     /// not fit the skin.
     pub fn open(paths: &[PathBuf], known: ReplayContext, judging: Option<Judging>) -> Result<Self, Fault> {
-        let mut source = Source { datasets: Vec::new(), places: Vec::new(), reaches: Vec::new(), known, judging };
+        let mut source = Source::new(known, judging);
         for path in paths {
             let ends_with = |ending: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
             if is_folder(path)? {
@@ -114,7 +116,7 @@ impl Source {
     /// # Errors
     /// [`Fault::Usage`] if a model does not fit the skin.
     pub fn of(recordings: Vec<Held>, known: ReplayContext) -> Result<Self, Fault> {
-        let mut source = Source { datasets: Vec::new(), places: Vec::new(), reaches: Vec::new(), known, judging: None };
+        let mut source = Source::new(known, None);
         for held in recordings {
             if let Some(judging) = &held.judging {
                 judging.begin(&held.recording.layout).map_err(unjudged(&held.recording.scene))?;
@@ -123,6 +125,10 @@ impl Source {
             source.places.push(Place::Memory(Box::new(held)));
         }
         Ok(source)
+    }
+
+    fn new(known: ReplayContext, judging: Option<Judging>) -> Self {
+        Source { datasets: Vec::new(), places: Vec::new(), reaches: Vec::new(), known, judging, has_warned: false }
     }
 
     /// The recording of a reach.
@@ -185,21 +191,20 @@ impl Source {
             trial_table::check_model(path, judging)?;
         }
         let trials = read_trials(path)?;
-        let mut rate_hz = period_s(&trials).map(f64::recip);
+        let rate_hz = period_s(&trials).map(f64::recip);
         for recording in trial_table::reaches(path, &trials)? {
-            // The warning of a table is given once.
-            self.check(path, &recording.layout, rate_hz.take())?;
+            self.check(path, &recording.layout, rate_hz)?;
             self.list(&recording, file_name(path));
             self.places.push(Place::Memory(Box::new(Held { recording, judging: None })));
         }
         Ok(())
     }
 
-    /// An error if the model does not fit the skin of a file. Warns if it was fitted to frames at another rate than these, Hz.
-    fn check(&self, path: &Path, layout: &SkinLayout, rate_hz: Option<f64>) -> Result<(), Fault> {
+    /// An error if the model does not fit the skin of a file. Warns once if it was fitted to frames at another rate than these, Hz.
+    fn check(&mut self, path: &Path, layout: &SkinLayout, rate_hz: Option<f64>) -> Result<(), Fault> {
         if let Some(judging) = &self.judging {
             judging.begin(layout).map_err(unjudged(&path.display().to_string()))?;
-            judging.by.provenance().warn_of_rate(path.display(), rate_hz);
+            self.has_warned = self.has_warned || judging.by.provenance().warn_of_rate(path.display(), rate_hz);
         }
         Ok(())
     }

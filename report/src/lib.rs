@@ -51,7 +51,8 @@ impl Written {
         section::add_all(&mut report);
         what_was_run(&mut report);
         let terminal = terminal(&report);
-        let tables = report.tables.iter().map(|table| (format!("csv/{}.csv", table.name), table.csv().into_bytes()));
+        let tables = report.tables.into_iter().map(Table::with_own_headings);
+        let tables = tables.map(|table| (format!("csv/{}.csv", table.name), table.csv().into_bytes()));
         let pictures = section::moments::pictures(&results.outcomes.moments)?;
         let page = ("index.html".to_owned(), report.page.html().into_bytes());
         Ok(Written { files: tables.chain(pictures).chain([page]).collect(), terminal })
@@ -67,7 +68,7 @@ fn what_was_run(report: &mut Report) {
     report.page.list([
         format!("program: underbrush {}", results.program),
         format!("experiment: {}", results.experiment),
-        format!("seed: {}{size}", results.seed),
+        format!("{}{size}", seeds(&results.seeds())),
         format!(
             "machine: {}, {} cores, {} threads used; {:.0} s in all",
             timing.processor, timing.cores, timing.threads, timing.wall_s

@@ -95,13 +95,13 @@ pub fn add(report: &mut Report) {
     ]);
 }
 
-/// How close the table is to the paper, and how good the best classifier is.
+/// How close the table is to the paper, and how good the classifier with the best balanced accuracy is.
 fn lead(comparison: &Comparison, name: &str) -> String {
     let best = comparison.classifiers.iter().max_by(|a, b| a.1[1].total_cmp(&b.1[1]));
     let best = best.map(|(name, [accuracy, balanced, majority])| {
         format!(
-            "The best classifier, {name}, is right on {accuracy:.1} % of the taxel trials (balanced {balanced:.1} %, majority \
-             baseline {majority:.1} %)."
+            "The classifier with the best balanced accuracy, {name}, is right on {accuracy:.1} % of the taxel trials (balanced \
+             {balanced:.1} %, majority baseline {majority:.1} %)."
         )
     });
     let points = comparison.recipe().and_then(|recipe| comparison.points.get(recipe));
@@ -132,7 +132,7 @@ fn compare(comparison: &Comparison, is_quick: bool) -> (Vec<String>, Vec<String>
     if let Some((cell, published)) = farthest.filter(|_| within < all) {
         let (outside, name, here) = (all - within, cell.key.name(), cell.accuracy);
         differs.push(format!(
-            "{outside} of {all} lie outside. The farthest is {name}: {here:.1} % here, {published:.1} % in the paper."
+            "{outside} of {all} lie outside the {what}. The farthest is {name}: {here:.1} % here, {published:.1} % in the paper."
         ));
     }
     let orderings = comparison.orderings.iter().filter(|own| Some(own.recipe.as_str()) == comparison.recipe());

@@ -114,7 +114,8 @@ fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
     })?;
     let (skin, scene) = (&files.skin.0, &files.scene.0);
     overwrite.file(scene, [&urdf])?;
-    if !is_there(skin)? {
+    let keeps_skin = is_there(skin)?;
+    if !keeps_skin {
         output::write_file(skin, files.skin.1.as_bytes())?;
     }
     output::write_file(&out, files.arm_file.as_bytes())?;
@@ -124,6 +125,15 @@ fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
         output::remark(format!(
             "warning: the inertia of {link} in {urdf} is that of no body: a principal moment is {percent:.1} % above the sum of the \
              other two. {out} has the nearest one of a body, in [[inertia]]; correct it if you know better"
+        ));
+    }
+    if !files.start_found {
+        output::remark(format!(
+            "warning: no posture was found with the tip in front of the base, where the goals of {} are, so the arm starts in the middle \
+             of its limits. The frame of the base should have x forward and z up; choose another --base, or change the posture in \
+             {} and the places in the scene",
+            scene.display(),
+            out.display()
         ));
     }
     let links: Vec<&str> = files.arm.links.iter().map(|link| link.name.as_str()).collect();
@@ -145,8 +155,12 @@ fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
         let (joints, links) = (files.arm.joints.len(), links.join(", "));
         let quote = if out.to_string().contains(' ') { "\"" } else { "" };
         let hulls = output::counted(files.hulls, "hull", "hulls");
+        let wrote = match keeps_skin {
+            true => format!("{out} and {scene}; kept {skin}"),
+            false => format!("{out}, {skin} and {scene}"),
+        };
         format!(
-            "Wrote {out}, {skin} and {scene}.\n{joints} joints{held}\nlinks: {links}\n\
+            "Wrote {wrote}.\n{joints} joints{held}\nlinks: {links}\n\
              {hulls}; meshes stand out at most {outside_mm:.1} mm\n\
              Next: underbrush arm skin {quote}{out}{quote} --link LINK --pitch-mm 10 --patch NAME\n"
         )

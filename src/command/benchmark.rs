@@ -61,7 +61,7 @@ pub fn run(options: BenchmarkOptions, json: bool) -> Result<(), Failure> {
     let verdicts = options.verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten();
     let controller = options.controller.map(|kind| EnteredController { kind: Some(kind), own: None, verdicts });
     let entry = Entry::new(&options.track, options.model.as_deref(), controller)?;
-    interrupt::kept("finished reaches are", &options.out, "the same command (without --resume)");
+    interrupt::kept("finished reaches are", &options.out, "the same command");
     let row = entry.run(&options.out, options.quick, &Shown)?;
     output::result(json, &row, || benchmark_text::of(&row))
 }

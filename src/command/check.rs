@@ -61,5 +61,8 @@ pub fn run(options: CheckOptions, json: bool) -> Result<(), Failure> {
         return Ok(());
     }
     let broken = output::counted(checked.broken(), "bound does", "bounds do");
-    Err(Failure::run(format!("{broken} not hold; if the change is wanted, write new bounds with --bless")))
+    Err(Failure::run(match options.bless {
+        true => format!("{broken} not hold: --bless keeps the limits of `audit` and `overlap_without_patch_m`"),
+        false => format!("{broken} not hold; if the change is wanted, write new bounds with --bless"),
+    }))
 }

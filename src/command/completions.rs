@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 use serde_json::json;
+use underbrush_recording::disk::DiskError;
 
 use crate::{Failure, output};
 
@@ -35,6 +36,6 @@ pub fn run<Cli: CommandFactory>(options: &CompletionsOptions, json: bool) -> Res
     let Some(folder) = &options.manual else { return Ok(()) };
     std::fs::create_dir_all(folder)
         .and_then(|()| clap_mangen::generate_to(program.disable_help_subcommand(true), folder))
-        .map_err(|error| Failure::run(format!("{}: {error}", folder.display())))?;
+        .map_err(|source| DiskError::Io { path: folder.clone(), action: "write", source })?;
     output::result(json, &json!({ "manual": folder }), || format!("Wrote the manual pages to {}", folder.display()))
 }

@@ -2,25 +2,27 @@
 
 mod text;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use rayon::prelude::*;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::evaluate::{
-    Compared, Evaluation, EvaluationReport, FoldBy, Folds, RocCurve, accuracy_by_samples, category_roc, cross_validate,
-    evaluate, outlier_roc, warn_of_left_out,
+    Compared, EvaluateError, Evaluation, EvaluationReport, FoldBy, Folds, RocCurve, accuracy_by_samples, category_roc,
+    cross_validate, evaluate, outlier_roc, warn_of_left_out,
 };
 use underbrush_classifier::registry::CLASSIFIERS;
-use underbrush_classifier::{Classifier, ClassifierKind, DataSource, Decision, FeatureSet, Provenance, Rule, Scores};
+use underbrush_classifier::{ClassifierKind, DataSource, Decision, FeatureSet, Model, Provenance, Rule, Scores};
 use underbrush_experiments::model_data;
+use underbrush_recording::disk::with_recordings;
 use underbrush_recording::{Category, InputError, Trial};
 use underbrush_report::drawing::Rows;
 
 use super::touch::{self, Judge, RiskArguments, TouchDecisionArguments};
 use super::{DecisionArguments, EstimatorArguments, Overwrite};
+use crate::input::{self, Reaches};
 use crate::options::{self, TrialArguments, named};
-use crate::{Failure, input, output};
+use crate::{Failure, output};
 
 /// Shown at the end of `underbrush evaluate --help`.
 const ADVICE: &str = "\
@@ -29,8 +31,8 @@ trial names its reach: trials of one reach resemble each other, so grouping by p
 `--preset paper` follows the paper instead (section V-A: two folds by position, labels from the environment, 20 samples or \
 more). The default recipe is the paper's.
 
-Without --classifier and options about fitting, all classifiers are compared on the same folds, the best first, and the \
-details are those of the paper's hidden Markov models. With --features all use these features. peak-force is the baseline of \
+Without --classifier, options about fitting and --decision paper, all classifiers are compared on the same folds, the best \
+first, and the details are those of the paper's hidden Markov models. With --features all use these features. peak-force is the baseline of \
 contacts: the largest force alone.
 
 Compare an accuracy with the majority baseline, which is reached by always naming the most frequent category, and with the \
@@ -42,8 +44,8 @@ these are.";
 #[derive(Args)]
 #[command(after_help = ADVICE)]
 pub struct EvaluateOptions {
-    /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required). For
-    /// the classifier touch: one or more data sets and recordings
+    /// Data set (folder), recording, folder of recordings, or table of trials (`trial`, `category`, `time_s`, `force_n`
+    /// are required). For the classifier touch: one or more data sets and recordings
     #[arg(required = true)]
     trials: Vec<PathBuf>,
     /// Also report the accuracy (argmax) after 1, 2, 3, 6, 12, 25, 50, 100 and 200 samples since contact. With
@@ -95,16 +97,12 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
         options::refuse(options.estimator.given(), reason)?;
     }
     let recipe = options.estimator.hmm()?;
-    options.check_apart()?;
     if let Some(roc) = &options.roc {
         let inputs = options.trials.iter().chain(&options.train).chain(&options.model);
         options.overwrite.file(roc, inputs)?;
     }
     let model = options.model.as_deref().map(any_model::load).transpose()?;
-    if let Some(model) = &model {
-        options.warn_of_data(model.provenance())?;
-    }
-    let model = match model {
+    let mut model = match model {
         Some(AnyModel::Touch(model)) => {
             options.cut.refuse_for_touch_model()?;
             options.risk.refuse("applies to models that are fitted, and the one of --model is fitted already")?;
@@ -124,21 +122,33 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     options.touch.refuse_for_trials()?;
     options.risk.refuse("applies to the classifier touch only, and this is a classifier of trials")?;
     let path = input::only(&options.trials)?;
-    let trials = input::some_trials(path, &options.cut)?;
-    let about = |failure: Failure| failure.about(path);
+    let tested = input::some_trials(path, &options.cut)?;
+    let trials = &tested.trials;
+    let about = |error: EvaluateError| input::about_trials(path, error);
     let mut folds = None;
-    let scores = model.as_ref().map_or_else(|| Scores::of_recipe(recipe.as_ref()), Scores::of_model);
-    let decision = options.decision.decision(&scores)?;
-    let evaluation = match (&model, &options.train) {
-        (Some(model), _) => evaluate(model.classifier.as_ref(), &trials, &decision),
-        (None, Some(train)) => evaluate(fitted(&options, train)?.as_ref(), &trials, &decision),
-        (None, None) => {
-            let own = *folds.insert(options.folds(&trials));
-            warn_of_left_out(&trials);
-            cross_validate(&trials, options.estimator.estimator()?.as_ref(), own, &decision)
+    let decision = {
+        let scores = model.as_ref().map_or_else(|| Scores::of_recipe(recipe.as_ref()), Scores::of_model);
+        options.decision.decision(&scores)?
+    };
+    if let Some(train) = &options.train {
+        let read = input::some_trials(train, &options.cut)?;
+        options.check_data(None, &tested.data, &read.data)?;
+        let fitted = options.estimator.estimator()?.fit(&read.trials.iter().collect::<Vec<_>>());
+        let fitted = Model::new(fitted.map_err(|error| input::about_trials(train, error))?);
+        fitted.warn_of_little_data();
+        model = Some(fitted);
+    } else {
+        options.check_data(model.as_ref().map(|own| &own.provenance), &tested.data, &[])?;
+    }
+    let evaluation = match &model {
+        Some(model) => evaluate(model.classifier.as_ref(), trials, &decision),
+        None => {
+            let own = *folds.insert(options.folds(trials));
+            warn_of_left_out(trials);
+            cross_validate(trials, options.estimator.estimator()?.as_ref(), own, &decision)
         }
     };
-    let evaluation = evaluation.map_err(|error| about(error.into()))?;
+    let evaluation = evaluation.map_err(about)?;
     if let Some(path) = &options.roc {
         output::write_file(path, roc_csv(&evaluation, &decision)?.as_bytes())?;
     }
@@ -146,18 +156,20 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     if let Some(folds) = folds.filter(|_| options.by_samples) {
         let estimator = options.estimator.estimator()?;
         let series = |trials: &[Trial], min_samples| {
-            accuracy_by_samples(trials, estimator.as_ref(), folds, min_samples).map_err(|error| about(error.into()))
+            accuracy_by_samples(trials, estimator.as_ref(), folds, min_samples).map_err(about)
         };
-        by_samples = Some(series(&trials, 1)?);
+        by_samples = Some(series(trials, 1)?);
         let min_samples = options.cut.min_samples();
         if min_samples > 1 {
             // There are some, as there are long ones.
             let all = input::trials(path, &options.cut.of_any_length())?;
-            by_samples_of_all = Some(series(&all, min_samples)?);
+            by_samples_of_all = Some(series(&all.trials, min_samples)?);
         }
     }
-    let compared = folds.filter(|_| options.estimator.is_open());
-    let comparison = compared.map(|folds| compare(&trials, folds, &decision, options.estimator.features, &evaluation));
+    // The paper's thresholds belong to the scores of its own classifier.
+    let is_paper = matches!(decision.rule, Rule::OutlierBand { .. });
+    let compared = folds.filter(|_| options.estimator.is_open() && !is_paper);
+    let comparison = compared.map(|folds| compare(trials, folds, &decision, options.estimator.features, &evaluation));
     let results = EvaluationReport { folds, evaluation, by_samples, by_samples_of_all, comparison };
     output::result(json, &results, || text::of(&results))
 }
@@ -199,35 +211,38 @@ fn compare(
 }
 
 impl EvaluateOptions {
-    /// Refuses to test on the input that is fitted to, under whatever name and in whatever copy: the accuracy would be
-    /// that on training data.
-    fn check_apart(&self) -> Result<(), Failure> {
-        let Some(train) = &self.train else { return Ok(()) };
-        let hashes = |paths: &[PathBuf]| -> Result<Vec<String>, Failure> {
-            input::with_recordings(paths)?.iter().map(|path| Ok(content(path)?.blake3)).collect()
-        };
-        let tested = hashes(&self.trials)?;
-        for fitted in hashes(std::slice::from_ref(train))? {
-            if tested.contains(&fitted) {
-                let found = "the same data to fit on and to test on";
-                let allowed = "other data than TRIALS, because the accuracy on data that were fitted to is too high";
-                let remedy = "give other data, or leave out --train to cross-validate";
-                return Err(InputError::new(train, "--train", found, allowed, remedy).into());
+    /// Refuses to test on data that --train fits to, under whatever name and in whatever copy: the accuracy would be that on
+    /// training data. Warns of a --model that was fitted to them, and of data of several rates.
+    fn check_data(
+        &self,
+        model: Option<&Provenance>,
+        tested: &[DataSource],
+        fitted: &[DataSource],
+    ) -> Result<(), Failure> {
+        let given: Vec<String> = self.trials.iter().map(|path| path.display().to_string()).collect();
+        let given = given.join(", ");
+        let of = |data: &[DataSource]| Provenance { data: data.to_vec(), ..Provenance::default() };
+        let is_tested = |own: &DataSource| tested.iter().any(|other| other.blake3 == own.blake3);
+        match (model, &self.train) {
+            (Some(model), _) => {
+                if model.data.iter().any(is_tested) {
+                    let found = "the model was fitted to these data, so its accuracy on them is too high";
+                    output::remark(format!("warning: {given}: {found}; evaluate it on other data"));
+                }
+                model.warn_of_rates(given, tested);
             }
-        }
-        Ok(())
-    }
-
-    /// Warns of a model that was fitted to the trials, or to frames of another rate.
-    fn warn_of_data(&self, provenance: &Provenance) -> Result<(), Failure> {
-        let mut has_warned = false;
-        for path in &input::with_recordings(&self.trials)? {
-            let own = content(path)?;
-            has_warned = has_warned || provenance.warn_of_rate(path.display(), own.rate_hz);
-            if provenance.data.iter().any(|data| data.blake3 == own.blake3) {
-                let found = "the model was fitted to these data, so its accuracy on them is too high";
-                output::remark(format!("warning: {}: {found}; evaluate it on other data", path.display()));
+            (None, Some(train)) => {
+                if fitted.iter().any(is_tested) {
+                    let found = "the same data to fit on and to test on";
+                    let allowed =
+                        "other data than TRIALS, because the accuracy on data that were fitted to is too high";
+                    let remedy = "give other data, or leave out --train to cross-validate";
+                    return Err(InputError::new(train, "--train", found, allowed, remedy).into());
+                }
+                of(fitted).warn_of_several_rates();
+                of(fitted).warn_of_rates(given, tested);
             }
+            (None, None) => of(tested).warn_of_several_rates(),
         }
         Ok(())
     }
@@ -246,6 +261,12 @@ impl EvaluateOptions {
             let text = "--limit-wrong chooses what --cost-of-uncertain gives; leave one of them out";
             return Err(Failure::usage(text));
         }
+        if self.train.is_none() {
+            // What has no frames is refused before it is read.
+            Reaches::open(&self.trials)?;
+        }
+        let model = if let Judge::Model(model) = &judge { Some(&model.provenance) } else { None };
+        self.check_data(model, &sources(&self.trials)?, &sources(self.train.as_slice())?)?;
         touch::evaluate(&self.trials, judge, self.risk.limit_wrong, &self.touch, json)
     }
 
@@ -255,17 +276,13 @@ impl EvaluateOptions {
     }
 }
 
-/// Hash and rate of a data set, a recording or a table.
-fn content(path: &Path) -> Result<DataSource, Failure> {
-    input::check_exists(path, "a data set (folder), recording or table of trials")?;
-    Ok(model_data::of_path(path)?)
-}
-
-/// A classifier fitted to the trials in another file.
-fn fitted(options: &EvaluateOptions, path: &Path) -> Result<Box<dyn Classifier>, Failure> {
-    let trials = input::some_trials(path, &options.cut)?;
-    let classifier = options.estimator.estimator()?.fit(&trials.iter().collect::<Vec<_>>());
-    classifier.map_err(|error| Failure::from(error).about(path))
+/// What these data sets, recordings and tables are.
+fn sources(paths: &[PathBuf]) -> Result<Vec<DataSource>, Failure> {
+    let source = |path: &PathBuf| {
+        input::check_exists(path, input::WITH_TRIALS)?;
+        Ok(model_data::of_path(path)?)
+    };
+    with_recordings(paths)?.iter().map(source).collect()
 }
 
 /// ROC curves as CSV: one row per point of each curve. An empty threshold classifies nothing as positive.

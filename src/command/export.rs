@@ -9,7 +9,7 @@ use crate::{Failure, Overwrite, options};
 /// Options of `underbrush export`, which are those of the Python call.
 #[derive(Args)]
 pub struct ExportOptions {
-    /// Data sets (folders) or recordings (.parquet)
+    /// Data sets or folders of recordings, or recordings (.parquet)
     #[arg(required = true, value_name = "DATA")]
     _data: Vec<PathBuf>,
     /// Format to write

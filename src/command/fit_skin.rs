@@ -7,7 +7,7 @@ use clap::Args;
 use clap::builder::TypedValueParser;
 use serde::Serialize;
 use underbrush_exchange::press::{Estimate, PressFit, Punch, fit_press, read_press};
-use underbrush_sim::materials::{Constant, MaterialFile};
+use underbrush_sim::materials::{CONSTANTS, Constant, MaterialFile};
 
 use crate::{Failure, Overwrite, options, output};
 
@@ -60,21 +60,29 @@ pub fn run(options: FitSkinOptions, json: bool) -> Result<(), Failure> {
     if let Some(out) = &options.out {
         // Noise can make a small loss time negative, which no skin has.
         let constant = |name: &str, estimate: &Estimate, affects: &str| {
+            let (_, limits) = CONSTANTS.iter().find(|(own, _)| *own == name)?;
             let [value, low, high] =
                 [estimate.value, estimate.interval[0], estimate.interval[1]].map(|own| own.max(0.0));
+            if !limits.hold(value) {
+                output::remark(format!(
+                    "warning: {} is without {name}, because the fit gives {value:.3}; allowed are {limits}",
+                    out.display()
+                ));
+                return None;
+            }
             let source = format!("fit-skin of {}; the range is that of 95 %", options.press.display());
-            let range = [low.min(value), high.max(value)];
-            (name.to_owned(), Constant { value, range, source, affects: affects.into() })
+            let range = [low.min(value).max(limits.min), high.max(value).min(limits.max)];
+            Some((name.to_owned(), Constant { value, range, source, affects: affects.into() }))
         };
         let affects = "Peak force and onset of hard touches";
-        let mut constants = BTreeMap::from([constant("skin_modulus_n_per_m3", &fit.modulus_n_per_m3, affects)]);
+        let mut constants = BTreeMap::from_iter(constant("skin_modulus_n_per_m3", &fit.modulus_n_per_m3, affects));
         let loss_time = fit.loss_time_s.as_ref();
-        constants.extend(loss_time.map(|own| constant("skin_loss_time_s", own, "Peak force of impacts")));
+        constants.extend(loss_time.and_then(|own| constant("skin_loss_time_s", own, "Peak force of impacts")));
         let Estimate { value, interval: [low, high] } = fit.hardening_per_m;
         if low > 0.0 {
             let thickness = Estimate { value: 1.0 / value, interval: [1.0 / high, 1.0 / low] };
             let affects = "Depth and peak force of hard touches and edges";
-            constants.extend([constant("skin_thickness_m", &thickness, affects)]);
+            constants.extend(constant("skin_thickness_m", &thickness, affects));
         }
         output::write_file(out, MaterialFile { constants }.text().as_bytes())?;
     }

@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde_json::json;
 use underbrush_experiments::audit::{self, Ends, Worst};
 use underbrush_experiments::dataset::{Campaign, REACHES, Written, require_same_reaches};
-use underbrush_recording::disk::{Dataset, Shard, make_room};
+use underbrush_recording::disk::{Dataset, Shard, check_not_input};
 use underbrush_report::audit_text;
 use underbrush_sim::materials::MaterialFile;
 use underbrush_sim::{ControllerKind, Scene};
@@ -99,8 +99,8 @@ pub fn run(options: GenerateOptions, json: bool) -> Result<(), Failure> {
     };
     let out = &options.out;
     let model = options.verdicts.model();
-    make_room(out, options.scenes.iter().chain(&options.from).chain(&model), options.overwrite.force)?;
-    let again = if options.shared { "the same command again" } else { "the same command with --resume" };
+    check_not_input(out, options.scenes.iter().chain(&options.from).chain(&model))?;
+    let again = if options.shared { "the same command again" } else { options.overwrite.again() };
     interrupt::kept("finished reaches are", out, again);
     let written = match options.shard.filter(|_| options.shared) {
         Some(part) => match campaign.write_shared(out, part, &Shown)? {
@@ -113,7 +113,7 @@ pub fn run(options: GenerateOptions, json: bool) -> Result<(), Failure> {
                 });
             }
         },
-        None => campaign.write(out, options.resume, &Shown)?,
+        None => campaign.overwrite(out, options.resume, options.overwrite.force, &Shown)?,
     };
     let wall_s = matches!(written, Written::New(_)).then(|| start.elapsed().as_secs_f64());
     if wall_s.is_none() {

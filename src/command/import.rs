@@ -29,8 +29,9 @@ pub struct ImportOptions {
 
 /// Writes the table.
 pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
-    let inputs = [&options.file, &options.mapping];
     let mapping = Mapping::load(&options.mapping)?;
+    let taxels = mapping.taxels_file();
+    let inputs = [&options.file, &options.mapping].into_iter().chain(&taxels);
     let is_table = options.out.extension().is_some();
     if is_table {
         options.overwrite.ending(&options.out, &["csv", "parquet"], "choose such a name", inputs)?;

@@ -32,9 +32,9 @@ const CHAIN: [[&str; 2]; 10] = [
 pub struct InspectOptions {
     /// Scene (.toml) or its name, arm (.toml), data set (folder), recording or trials (.parquet), trials (.csv) or model (.json)
     path: PathBuf,
-    /// For a scene: seed of the draw that is tried
-    #[arg(long, default_value_t = 0, value_name = "N")]
-    seed: u64,
+    /// For a scene: seed of the draw that is tried [default: 0]
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
     /// For a data set: also check that the joint torques and the stored contacts explain the motion of the arm
     #[arg(long)]
     audit: bool,
@@ -47,21 +47,24 @@ pub struct InspectOptions {
 
 /// Checks the file or folder and prints what it contains.
 pub fn run(options: InspectOptions, json: bool) -> Result<(), Failure> {
-    let mut found = inspection::inspect(&options.path, options.seed)?;
+    let mut found = inspection::inspect(&options.path, options.seed.unwrap_or(0))?;
+    // Each option is for what has this key.
+    let of_kind = [
+        (options.seed.is_some(), "goals_with_a_way", "--seed is for scenes"),
+        (options.audit, "dataset", "--audit is for data sets"),
+        (options.still.is_some(), "chain", "--still is for arms; `underbrush replay --still` draws reaches"),
+    ];
+    if let Some((.., refusal)) = of_kind.iter().find(|(given, key, _)| *given && found.get(key).is_none()) {
+        return Err(Failure::usage(format!("{}: {refusal}", options.path.display())));
+    }
     let mut passed = None;
     if options.audit {
-        if found.get("dataset").is_none() {
-            return Err(Failure::usage(format!("{}: --audit is for data sets", options.path.display())));
-        }
         let balance = torque_balance(&options.path)?;
         passed = unexplained(&balance);
         found["torque_balance"] = json!(balance);
     }
     if let Some(still) = &options.still {
         let path = &options.path;
-        if found.get("chain").is_none() {
-            return Err(Failure::usage(format!("{}: --still is for arms", path.display())));
-        }
         options.overwrite.ending(still, &["png"], "choose such a name", [path])?;
         picture::write_arm(&Arm::load(path)?, still)?;
     }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use underbrush_recording::disk::{Dataset, DiskError, Shards, make_room};
+use underbrush_recording::disk::{Dataset, DiskError, Shards, check_not_input, make_room};
 
 use super::generate::Summary;
 use crate::{Failure, Overwrite, interrupt, output, progress};
@@ -29,8 +29,9 @@ pub struct MergeOptions {
 pub fn run(options: MergeOptions, json: bool) -> Result<(), Failure> {
     let MergeOptions { parts, out, resume, overwrite } = options;
     let shards = Shards::open(&parts)?;
-    make_room(&out, &parts, overwrite.force)?;
-    interrupt::kept("what is complete is", &out, "the same command with --resume");
+    check_not_input(&out, &parts)?;
+    make_room(&out, overwrite.force)?;
+    interrupt::kept("what is complete is", &out, overwrite.again());
     let bar = progress::bar(shards.plan().episodes.len() as u64, "reaches");
     let dataset = match shards.merge(&out, resume, move || bar.inc(1)) {
         // With `resume`, this means that the set has the same plan.

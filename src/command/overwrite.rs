@@ -17,6 +17,11 @@ pub struct Overwrite {
 }
 
 impl Overwrite {
+    /// How to continue a command that can be resumed.
+    pub fn again(self) -> &'static str {
+        if self.force { "the same command with --resume in place of --force" } else { "the same command with --resume" }
+    }
+
     /// Demands that the result can be written to this file: it is not one of the inputs, nothing is there or it may be
     /// overwritten, and the parent folders are there or are created.
     pub fn file<'a>(self, path: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Failure> {

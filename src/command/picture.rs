@@ -15,32 +15,33 @@ use underbrush_sim::scene::{Scene, SceneCamera};
 use crate::options::{number, pair};
 use crate::{Failure, Overwrite, output, progress};
 
-/// Size of a picture if nothing else is said.
+/// Size of a picture, and of the pictures of a film, if nothing else is said.
 const SIZE: Size = Size { width: 1280, height: 720 };
+const FILM_SIZE: Size = Size { width: 640, height: 360 };
 
 /// The options of pictures and films of `underbrush replay`.
 #[derive(Args)]
 pub struct PictureArguments {
     /// Draw one moment of a reach to this file, without a browser
-    #[arg(long, value_name = "FILE.png", group = "file", conflicts_with_all = ["model", "port", "no_open"])]
+    #[arg(long, value_name = "FILE.png", groups = ["file", "picture"], conflicts_with_all = ["model", "patch", "port", "no_open"])]
     still: Option<PathBuf>,
     /// Write a film of a reach to this file, without a browser. It plays in a loop
-    #[arg(long, value_name = "FILE.gif", group = "file", conflicts_with_all = ["model", "port", "no_open"])]
+    #[arg(long, value_name = "FILE.gif", groups = ["file", "picture"], conflicts_with_all = ["model", "patch", "port", "no_open"])]
     video: Option<PathBuf>,
     /// With --still: the moment, s after the start [default: when the most taxels read a force]
     #[arg(long, value_name = "S", requires = "still", conflicts_with_all = ["out", "video"])]
     time: Option<f64>,
     /// Take the picture with this camera of the scene file. Recordings do not know their scene; data sets do
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["out", "eye", "target"], requires = "file")]
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["out", "eye", "target"], requires = "picture")]
     camera: Option<String>,
     /// Width and height, 64 to 1280 pixels each [default: 1280x720, of films 640x360, of a camera its own]
-    #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "out", requires = "file")]
+    #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "out", requires = "picture")]
     size: Option<Size>,
     /// Where the picture is taken from, m, world frame: x, y, z [default: right of the arm, as near as everything fits]
-    #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true, conflicts_with = "out", requires = "file")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true, conflicts_with = "out", requires = "picture")]
     eye: Option<DVec3>,
     /// What is in the middle of the picture, m, world frame: x, y, z [default: the middle of everything]
-    #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true, conflicts_with = "out", requires = "file")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true, conflicts_with = "out", requires = "picture")]
     target: Option<DVec3>,
     /// With --video: pictures per second, 1 to 50, each shown for whole hundredths of a second, so that 30 becomes 33
     #[arg(long, value_name = "N", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 20, value_parser = value_parser!(u16).range(1..=50))]
@@ -82,9 +83,17 @@ impl PictureArguments {
         let stage = replayed::stage(&recording)?;
         // A camera of the scene shows what a camera sees.
         let stage = if camera.is_none() { stage.with_arrows() } else { stage };
-        let (bytes, frames) = match self.video {
-            None => (self.still(&recording, &stage, camera.as_ref())?, 1),
-            Some(_) => self.film(&recording, &stage, camera.as_ref())?,
+        let (size, camera) = self.view(&stage, camera.as_ref());
+        let (bytes, frames) = if self.still.is_some() {
+            let number = self.moment(&recording)?;
+            let scene = stage.moment(number as u32, &recording.frames[number]);
+            (scene.png(&camera(number as u32)?, size)?, 1)
+        } else {
+            let delay = (100.0 / f64::from(self.fps)).round() as u16;
+            let film = Film { size, delay, speed: self.speed };
+            let pictures = film.frames(&recording).len();
+            let bar = progress::bar(pictures as u64, "pictures");
+            (film.draw(&recording, &stage, camera, move |drawn| bar.inc(drawn as u64))?, pictures)
         };
         output::write_file(path, &bytes)?;
         let (bytes, path) = (bytes.len(), path.display().to_string());
@@ -95,7 +104,7 @@ impl PictureArguments {
         Ok(true)
     }
 
-    /// Demands that the file can be written, has the right ending, and that the numbers are within their limits.
+    /// Demands that the file can be written and has the right ending.
     pub fn check(&self, overwrite: Overwrite, inputs: &[PathBuf]) -> Result<(), Failure> {
         if let Some(still) = &self.still {
             return overwrite.ending(still, &["png"], "choose such a name", inputs);
@@ -125,9 +134,9 @@ impl PictureArguments {
         &'a self,
         stage: &'a Stage,
         camera: Option<&'a SceneCamera>,
-        default: Size,
     ) -> (Size, impl Fn(u32) -> Result<Camera, RenderError> + Sync + 'a) {
         let own = camera.map(|camera| Size { width: camera.size_px[0], height: camera.size_px[1] });
+        let default = if self.still.is_some() { SIZE } else { FILM_SIZE };
         let size = self.size.or(own).unwrap_or(default);
         let standard = stage.camera(size.aspect());
         let eye_world = self.eye.unwrap_or(standard.eye_world);
@@ -139,35 +148,15 @@ impl PictureArguments {
         (size, move |number| camera.map_or(Ok(free), |camera| stage.scene_camera(camera, number)))
     }
 
-    fn still(&self, recording: &Recording, stage: &Stage, camera: Option<&SceneCamera>) -> Result<Vec<u8>, Failure> {
+    /// The number of the frame that a picture shows.
+    fn moment(&self, recording: &Recording) -> Result<usize, Failure> {
+        let Some(time_s) = self.time else { return Ok(fullest(recording)) };
         let last_s = recording.frames.last().map_or(0.0, |frame| frame.time_s);
-        let number = match self.time {
-            Some(time_s) if (0.0..=last_s).contains(&time_s) => {
-                recording.frames.partition_point(|frame| frame.time_s < time_s - 1e-9)
-            }
-            Some(time_s) => {
-                let allowed = format!("0 to {last_s:.2}, the length of the reach in s");
-                return Err(Failure::usage(format!("--time {time_s}: allowed: {allowed}; choose a moment of it")));
-            }
-            None => fullest(recording),
-        };
-        let (size, camera) = self.view(stage, camera, SIZE);
-        let scene = stage.moment(number as u32, &recording.frames[number]);
-        Ok(scene.png(&camera(number as u32)?, size)?)
-    }
-
-    fn film(
-        &self,
-        recording: &Recording,
-        stage: &Stage,
-        camera: Option<&SceneCamera>,
-    ) -> Result<(Vec<u8>, usize), Failure> {
-        let (size, camera) = self.view(stage, camera, Size { width: 640, height: 360 });
-        let delay = (100.0 / f64::from(self.fps)).round() as u16;
-        let film = Film { size, delay, speed: self.speed };
-        let pictures = film.frames(recording).len();
-        let bar = progress::bar(pictures as u64, "pictures");
-        Ok((film.draw(recording, stage, camera, move |drawn| bar.inc(drawn as u64))?, pictures))
+        if (0.0..=last_s).contains(&time_s) {
+            return Ok(recording.frames.partition_point(|frame| frame.time_s < time_s - 1e-9));
+        }
+        let allowed = format!("0 to {last_s:.2}, the length of the reach in s");
+        Err(Failure::usage(format!("--time {time_s}: allowed: {allowed}; choose a moment of it")))
     }
 }
 

@@ -9,6 +9,7 @@ use std::thread::JoinHandle;
 use clap::Args;
 use serde_json::json;
 use underbrush_classifier::Scores;
+use underbrush_recording::disk::with_recordings;
 use underbrush_recording::{Fault, Recording, SkinLayout};
 use underbrush_replay::{Judging, JudgingModel, Live, PartialReach, Server, Source, VerdictLog, single_file, unjudged};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
@@ -87,7 +88,7 @@ pub fn run(options: ReplayOptions, json: bool) -> Result<(), Failure> {
     }
     options.picture.check(options.overwrite, &options.inputs)?;
     let judging = judging(&options)?;
-    let source = Source::open(&input::with_recordings(&options.inputs)?, known(), judging)?;
+    let source = Source::open(&with_recordings(&options.inputs)?, known(), judging)?;
     if options.picture.run(&source, &options.reaches, json)? {
         return Ok(());
     }

@@ -20,7 +20,8 @@ pub struct ReproduceOptions {
     #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
     out: PathBuf,
     /// A small run: for the paper's experiment, 4 leaf and 8 trunk reaches instead of 10 and 25, one reach of each
-    /// engineered scene, only the first recipe, and no other arms, changes, second outlier or auxiliary unknown objects
+    /// engineered scene, only the first recipe, and no controllers, other arms, changes, second outlier or auxiliary
+    /// unknown objects
     ///
     /// Other classifiers are compared on whole trials, but not by the samples that they need.
     #[arg(long)]
@@ -61,7 +62,7 @@ pub fn run(options: ReproduceOptions, json: bool) -> Result<(), Failure> {
     };
     let out = &options.out;
     let command = if options.force { "the same command without --force" } else { "the same command" };
-    interrupt::kept("finished stages are", out, &format!("{command} (without --resume)"));
+    interrupt::kept("finished stages are", out, command);
     let (results, report) = reproduction.run(out, &Shown)?;
     output::result(json, &results, || {
         let page = out.join("report/index.html");

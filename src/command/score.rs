@@ -5,17 +5,18 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::{Model, ScoreKind, any_model};
-use underbrush_recording::Trial;
 
+use crate::input::{self, TrialInput};
 use crate::options::{TrialArguments, named};
-use crate::{Failure, input, output};
+use crate::{Failure, output};
 
 /// Options of `underbrush score`.
 #[derive(Args)]
 pub struct ScoreOptions {
     /// Model file
     model: PathBuf,
-    /// Table of trials (`trial`, `time_s` and the model's features are required), data set or recording
+    /// Table of trials (`trial`, `time_s` and the model's features are required), data set, recording or folder of
+    /// recordings
     trials: PathBuf,
     /// Kind of score of hidden Markov models [default: the model's own]
     #[arg(long, value_parser = named::<ScoreKind>(&KINDS))]
@@ -40,9 +41,10 @@ pub fn by_kind(mut model: Model, path: &Path, by: Option<ScoreKind>, option: &st
     Ok(model)
 }
 
-/// The scores of trials that were read from `path`.
-pub fn of_trials(model: &Model, trials: &[Trial], path: &Path) -> Result<Vec<Vec<f64>>, Failure> {
-    let scores = model.classifier.scores_of_all(&trials.iter().collect::<Vec<_>>());
+/// The scores of trials that were read from `path`. Warns of another rate than that of the model's data.
+pub fn of_trials(model: &Model, read: &TrialInput, path: &Path) -> Result<Vec<Vec<f64>>, Failure> {
+    model.provenance.warn_of_rates(path.display(), &read.data);
+    let scores = model.classifier.scores_of_all(&read.trials.iter().collect::<Vec<_>>());
     scores.map_err(|error| Failure::from(error).about(path))
 }
 
@@ -58,11 +60,11 @@ struct Row {
 /// Prints CSV, one row per category and trial.
 pub fn run(options: ScoreOptions, json: bool) -> Result<(), Failure> {
     let model = by_kind(any_model::load_of_trials(&options.model)?, &options.model, options.by, "--by")?;
-    let trials = input::trials(&options.trials, &TrialArguments::default())?;
-    let scored = of_trials(&model, &trials, &options.trials)?;
+    let read = input::trials(&options.trials, &TrialArguments::default())?;
+    let scored = of_trials(&model, &read, &options.trials)?;
     let categories = model.classifier.categories().into_iter().enumerate();
     let rows = categories.flat_map(|(index, category)| {
-        trials.iter().zip(&scored).map(move |(trial, scores)| Row {
+        read.trials.iter().zip(&scored).map(move |(trial, scores)| Row {
             model: category.clone(),
             trial: trial.trial,
             log_likelihood: scores[index],

@@ -8,9 +8,7 @@ use serde::Serialize;
 use serde_json::json;
 use underbrush_classifier::evaluate::{ChosenThresholds, Folds, HeldOut, ThresholdError, ThresholdTargets};
 use underbrush_classifier::hmm::{Stop, TrainingHistory};
-use underbrush_classifier::{
-    Classifier, DataKind, Estimator, HmmClassifier, Model, ModelError, Provenance, Rule, any_model, is_trained,
-};
+use underbrush_classifier::{Classifier, Estimator, HmmClassifier, Model, Provenance, Rule, any_model, is_trained};
 use underbrush_experiments::model_data;
 use underbrush_recording::Trial;
 use underbrush_recording::disk::file_blake3;
@@ -18,14 +16,16 @@ use underbrush_report::drawing::Rows;
 
 use super::touch::{self, RiskArguments, SimulatedArguments};
 use super::{EstimatorArguments, Overwrite};
+use crate::input::{self, TrialInput};
 use crate::options::TrialArguments;
-use crate::{Failure, input, output};
+use crate::{Failure, output};
 
 /// Options of `underbrush train`.
 #[derive(Args)]
 pub struct TrainOptions {
-    /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required). With
-    /// --classifier touch: one or more data sets, recordings and scenes (names or .toml files), which are simulated
+    /// Data set (folder), recording, folder of recordings, or table of trials (`trial`, `category`, `time_s`, `force_n`
+    /// are required). With --classifier touch: one or more data sets, recordings and scenes (names or .toml files), which
+    /// are simulated
     #[arg(required = true)]
     trials: Vec<PathBuf>,
     /// With --classifier touch: data sets, recordings and scenes of unknown objects to train on, such as
@@ -40,7 +40,8 @@ pub struct TrainOptions {
     overwrite: Overwrite,
     #[command(flatten)]
     simulated: SimulatedArguments,
-    /// Continue training the hidden Markov models in this file; their states, features and other options stay the same
+    /// Continue training the hidden Markov models in this file. Their states, features, topology and kind of score stay
+    /// the same; --iterations, --tolerance and --variance-floor are those given here, or their defaults
     #[arg(
         long,
         value_name = "MODEL",
@@ -123,18 +124,19 @@ pub fn run(options: TrainOptions, json: bool) -> Result<(), Failure> {
     options.risk.refuse("applies to --classifier touch only")?;
     let estimator = options.estimator.estimator()?;
     let path = input::only(&options.trials)?;
-    let trials = input::some_trials(path, &options.cut)?;
+    let read = input::some_trials(path, &options.cut)?;
+    let trials = &read.trials;
     let mut model = match &options.start {
-        Some(start) => continued(&options, start, path, &trials)?,
+        Some(start) => continued(&options, start, path, &read)?,
         None => {
             let fitted = estimator.fit(&trials.iter().collect::<Vec<_>>());
-            Model::new(fitted.map_err(|error| about(path, error))?)
+            Model::new(fitted.map_err(|error| input::about_trials(path, error))?)
         }
     };
-    let report = report(model.classifier.as_ref(), &trials);
-    let thresholds = thresholds(&options, path, estimator.as_ref(), &trials)?;
+    let report = report(model.classifier.as_ref(), trials);
+    let thresholds = thresholds(&options, path, estimator.as_ref(), trials)?;
     model.decision = thresholds.as_ref().map(|chosen| chosen.decision.clone());
-    model.provenance = options.provenance(path)?;
+    model.provenance = options.provenance(read)?;
     model.warn_of_little_data();
     output::write_file(&options.out, model.save_string()?.as_bytes())?;
     output::result(json, &Trained { model: &options.out, report: &report, thresholds: thresholds.as_ref() }, || {
@@ -146,9 +148,8 @@ pub fn run(options: TrainOptions, json: bool) -> Result<(), Failure> {
 
 impl TrainOptions {
     /// Where the model comes from.
-    fn provenance(&self, path: &Path) -> Result<Provenance, Failure> {
-        let source = model_data::of_path(path)?;
-        let is_table = source.kind == DataKind::Trials;
+    fn provenance(&self, read: TrialInput) -> Result<Provenance, Failure> {
+        let is_table = read.is_table();
         let start = self.start.as_deref().map(file_blake3).transpose()?;
         let cut = self.cut.options()?;
         let options = json!({
@@ -159,25 +160,22 @@ impl TrainOptions {
             "false_positive_rate": self.false_positive_rate,
             "outlier_prior": self.false_positive_rate.map(|_| self.outlier_prior),
         });
-        Ok(model_data::provenance(options, vec![source]))
+        Ok(model_data::provenance(options, read.data))
     }
 }
 
-/// The models of a file, trained further.
-fn continued(options: &TrainOptions, start: &Path, path: &Path, trials: &[Trial]) -> Result<Model, Failure> {
-    let start = any_model::load_of_trials(start)?;
+/// The models of a file, trained further with what was read from `path`.
+fn continued(options: &TrainOptions, start: &Path, path: &Path, read: &TrialInput) -> Result<Model, Failure> {
+    let (file, start) = (start.display(), any_model::load_of_trials(start)?);
     let text = "--start continues the training of hidden Markov models only; give such a model, or leave it out";
     let models = start.hmm().map_err(|_| Failure::usage(text))?;
-    let trained = HmmClassifier::train_from(models, trials, &options.estimator.training()?);
-    Ok(Model::new(Box::new(trained.map_err(|error| about(path, error))?)))
-}
-
-/// An error about the trials, unless an option is at fault.
-fn about(path: &Path, error: ModelError) -> Failure {
-    match error {
-        ModelError::BadOption { .. } => error.into(),
-        _ => Failure::from(error).about(path),
+    start.provenance.warn_of_rates(path.display(), &read.data);
+    if start.decision.is_some() {
+        let remedy = "because scores change in training; give classify --decision and --prior";
+        output::remark(format!("warning: {file}: its priors and thresholds are not kept, {remedy}"));
     }
+    let trained = HmmClassifier::train_from(models, &read.trials, &options.estimator.training()?);
+    Ok(Model::new(Box::new(trained.map_err(|error| input::about_trials(path, error))?)))
 }
 
 fn report(classifier: &dyn Classifier, trials: &[Trial]) -> Report {
@@ -242,9 +240,12 @@ fn thresholds_text(chosen: &ChosenThresholds) -> String {
     let percent = |fraction: f64| format!("{:.1} %", 100.0 * fraction);
     let mut text = String::new();
     if let Rule::OutlierBand { uncertain_below, category_above } = chosen.decision.rule {
-        text += &format!(
-            "A margin over {category_above:.2} nats is a category, from {uncertain_below:.2} an outlier, less is uncertain\n"
-        );
+        let less = if uncertain_below < category_above {
+            format!("from {uncertain_below:.2} an outlier, less is uncertain")
+        } else {
+            "less is uncertain, and nothing is called an outlier".into()
+        };
+        text += &format!("A margin over {category_above:.2} nats is a category, {less}\n");
     }
     text += &format!("On {} held-out trials:", chosen.trials);
     for (category, own) in &chosen.true_positive_rate {

@@ -12,7 +12,8 @@ use crate::{Failure, Overwrite, input, output};
 /// Options of `underbrush trials`.
 #[derive(Args)]
 pub struct TrialsOptions {
-    /// Data set (folder) or recording
+    /// Data set (folder), recording or folder of recordings; or a table, to be written in the other format or without short
+    /// trials
     dataset: PathBuf,
     /// Table to write, `.csv` or `.parquet`, with one row per sample and the columns trial, category, reach, patch,
     /// taxel, time_s, force_n, motion_m, region_taxels, region_largest_force_n, region_force_sum_n, touched (ground
@@ -28,7 +29,7 @@ pub struct TrialsOptions {
 /// Writes the table.
 pub fn run(options: TrialsOptions, json: bool) -> Result<(), Failure> {
     options.overwrite.ending(&options.out, &["csv", "parquet"], "choose such a name", [&options.dataset])?;
-    let trials = input::some_trials(&options.dataset, &options.cut)?;
+    let trials = input::some_trials(&options.dataset, &options.cut)?.trials;
     let never_touched = trials.iter().filter(|trial| trial.touched() == Some(false)).count();
     let touch_unknown = trials.iter().filter(|trial| trial.touched().is_none()).count();
     let (count, samples) = (trials.len(), trials.iter().map(|trial| trial.samples.len()).sum::<usize>());

@@ -44,6 +44,13 @@ fn negative_probability() {
     refuses("/models/leaf/transition/0", json!([-0.5, 1.0, 0.5]), &["models.leaf.transition[0]", "-0.5"]);
 }
 
+/// Tests that a category cannot have the name of a verdict.
+#[test]
+fn category_named_as_a_verdict() {
+    let text = std::fs::read_to_string(fixture().model()).unwrap().replace("\"trunk\"", "\"uncertain\"");
+    refuses_text(&text, None, &["categories: found \"uncertain\"", "which is a verdict", "correct the file"]);
+}
+
 /// Tests that a model of a later format is refused.
 #[test]
 fn unknown_format() {

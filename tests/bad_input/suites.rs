@@ -81,6 +81,7 @@ fn categories_where_they_do_not_belong() {
 #[test]
 fn numbers_out_of_range() {
     refuses_change("reaches = 2", "reaches = 1", 4, &["scenes.reaches: found 1", "2 to 100000"]);
+    refuses_change("at_least = 0.5", "at_least = 50", 6, &["goals_reached", "found 50", "up to 1, for a share"]);
     refuses_change("at_least = 0.5", "at_least = nan", 6, &["goals_reached", "NaN", "finite numbers"]);
     refuses_change(
         "at_least = 0.5",
@@ -100,12 +101,14 @@ fn numbers_out_of_range() {
     }
 }
 
-/// Tests that verdicts need a model, that the model must exist, that its patch must be one of the skin's, and that a
-/// touch model takes only its own options.
+/// Tests that verdicts need a model, some of them a touch model, that the model must exist, that its patch must be one of the
+/// skin's, and that a touch model takes only its own options.
 #[test]
 fn models_that_do_not_fit() {
     refuses_change("goals_reached = {", "right.trunk = {", 6, &["bounds.right", "a suite without a model", "[model]"]);
     let with_model = |section: &str| SUITE.replace("[[scenes]]", &format!("[model]\n{section}\n[[scenes]]"));
+    let of_trials = with_model("file = \"model.json\"").replace("goals_reached = {", "called_nothing.trunk = {");
+    refuses(&of_trials, Some(8), &["bounds.called_nothing", "a classifier of trials", "only with a touch model"]);
     refuses(&with_model("file = \"model.json\"\npatch = \"elbow\""), Some(3), &["model.file", "elbow", "forearm"]);
     refuses(&with_model("file = \"model.json\"\nthreshold_n = -1"), Some(3), &["model.file", "threshold_n"]);
     for (key, value) in [("patch", "\"forearm\""), ("threshold_n", "0.1"), ("rule", "\"argmax\"")] {

@@ -43,6 +43,10 @@ fn empty() {
 fn missing_column() {
     let parts = ["force_n: found only the columns trial, category, time_s", "force_n", "case-sensitive"];
     refuses("trial,category,time_s\n0,leaf,0.0\n", None, &parts);
+    let parts = ["trial: found only the columns trial;time_s;force_n", "with commas between its cells"];
+    refuses("trial;time_s;force_n\n0;0.0;1\n", None, &parts);
+    let goals = fixture().dataset().join("truth/goals/chunk-000/file-000.parquet");
+    underbrush!["inspect", goals].refused(&["found only the columns episode_index", "give the folder of the data set"]);
 }
 
 /// Tests that an incomplete row is refused with its line.
@@ -118,7 +122,10 @@ fn missing_file() {
 #[test]
 fn foreign_folder() {
     let folder = tempfile::tempdir().unwrap();
-    refuses_file(folder.path(), None, &["data set: found no meta/info.json", "check the path, or generate"]);
+    refuses_file(folder.path(), None, &["found no meta/info.json", "check the path, or generate"]);
+    // Neither is it a folder of recordings, which all of these commands but inspect would take.
+    underbrush!["evaluate", folder.path()].refused(&["or a folder with recordings"]);
+    underbrush!["evaluate", folder.path(), "--classifier", "touch"].refused(&["or a folder with recordings"]);
 }
 
 /// Tests that --online refuses a table of trials, which has no frames.

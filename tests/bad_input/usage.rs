@@ -87,7 +87,9 @@ fn numbers_out_of_range() {
     let (table, model, set) = (fixture.table_csv(), outputs.path().join("model.json"), outputs.path().join("set"));
     underbrush!["train", table, "--out", model, "--states", "0"].refused(&["--states", "1..=1000"]);
     underbrush!["train", table, "--out", model, "--tolerance", "nan"].refused(&["--tolerance", "zero or more"]);
-    underbrush!["evaluate", table, "--folds", "1"].refused(&["1 folds", "at least 2"]);
+    underbrush!["evaluate", table, "--folds", "1"].refused(&["error: 1 folds", "at least 2"]);
+    underbrush!["evaluate", table, "--group", "position", "--decision", "uncertain", "--margin", "nan"]
+        .refused(&["error: thresholds of NaN"]);
     underbrush!["evaluate", table, "--folds", "100000"].refused(&["fewer than the 100000 folds", "use fewer folds"]);
     // More threads than any machine has cores, each of which would hold a reach in memory.
     for jobs in ["0", "1025", "65535", "1e3", "-1"] {
@@ -210,6 +212,8 @@ fn unknown_names() {
     let patch = underbrush!["trials", fixture.dataset(), "--out", table, "--patch", "elbow"];
     let set = fixture.dataset().display().to_string();
     patch.refused(&[&set, "no patch named \"elbow\"", "forearm", "flipper"]);
+    let online = underbrush!["classify", fixture.model(), fixture.dataset(), "--online", "--patch", "elbow"];
+    online.refused(&[&set, "no patch named \"elbow\"", "forearm", "flipper"]);
     underbrush!["trials", fixture.dataset(), "--out", text].refused(&["extension \"txt\"", "ends in .csv or .parquet"]);
     assert_empty(outputs.path());
     std::fs::write(&text, "a text").unwrap();

@@ -205,13 +205,18 @@ fn what_new_refuses() {
     new("hand", &["--package", "crane=elsewhere"]).refused(&["elsewhere"]);
     write_mesh(folder.path());
     new("foot", &[]).refused(&["--tip", "\"foot\"", "pillar, boom, hand"]);
-    new("left_finger", &[]).refused(&["joint left, type", "prismatic"]);
+    new("left_finger", &[]).refused(&["joint left, type", "prismatic", "give --base left_finger, or --tip hand"]);
     new("hand", &["--base", "left_finger"]).refused(&["--tip", "joints carry on left_finger"]);
+    new("tip", &["--base", "hand"]).refused(&["--tip", "\"tip\"", "turning joints carry on hand"]);
     new("boom", &[]).refused(&["--tip", "a reach of 0 m", "at least 0.1 m"]);
     let text = std::fs::read_to_string(&urdf).unwrap();
+    let flat = folder.path().join("crane/meshes/flat.obj");
+    std::fs::write(flat, "v 0 0 0\nv 100 0 0\nv 0 100 0\nv 100 100 0\nf 1 2 3\nf 2 3 4\n").unwrap();
     let limit = "<limit lower=\"-2.5\" upper=\"2.5\" effort=\"30\" velocity=\"1\"/>";
     for (from, to, parts) in [
         ("package://crane/meshes", "meshes", ["mesh filename", "correct its name in the URDF"]),
+        ("robot", "sdf", ["robot: found <sdf>", "root is <robot>"]),
+        ("beam.obj", "flat.obj", ["link boom, collision: found meshes that are all flat", "give the link another"]),
         (limit, "", ["joint lift: found no <limit>", "effort and velocity"]),
         ("name=\"lift\"", "name=\"turn\"", ["joint turn is there twice", "rename one"]),
         ("scale=\"0.001 0.001 0.001\"", "", ["crane.urdf: hull", "`scale` of its meshes"]),
@@ -223,6 +228,42 @@ fn what_new_refuses() {
     assert!(!folder.path().join("crane.toml").exists());
     new("hand", &[]).success();
     new("hand", &[]).refused(&["--force"]);
+}
+
+/// Tests that the base is the root that the tip hangs on, that `arm new` keeps a skin file and says so, and that it warns if no
+/// posture has the tip in front of the base.
+#[test]
+fn what_new_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let urdf = write_urdf(folder.path());
+    write_mesh(folder.path());
+    let arm = folder.path().join("crane.toml");
+    let new = |text: &str| {
+        std::fs::write(&urdf, text).unwrap();
+        underbrush!["arm", "new", &urdf, "--tip", "tip", "--out", &arm, "--force"]
+    };
+    let text = std::fs::read_to_string(&urdf).unwrap();
+    let made = new(&text.replace("<link name=\"base\"/>", "<link name=\"marker\"/><link name=\"base\"/>"));
+    assert_eq!(made.stderr, "");
+    let made = made.success();
+    assert!(made.contains("crane.skin.toml and ") && made.contains("links: base, pillar"), "{made}");
+    let skin = |patch: &str| {
+        underbrush!["arm", "skin", &arm, "--link", "boom", "--pitch-mm", "20", "--patch", patch, "--prune"]
+    };
+    skin("a/b").refused(&["a unique name without \"/\"", "change the options"]);
+    skin("boom").success();
+    // It looks back and cannot bend over.
+    let limits =
+        |lower: &str, upper: &str, effort: &str| format!("lower=\"{lower}\" upper=\"{upper}\" effort=\"{effort}\"");
+    let back =
+        [("90", "3", "3.2"), ("30", "0", "1"), ("6", "0", "1")].iter().fold(text, |text, (effort, lower, upper)| {
+            text.replace(&limits("-2.5", "2.5", effort), &limits(lower, upper, effort))
+        });
+    let made = new(&back);
+    assert!(made.stderr.contains("warning: no posture was found"), "{}", made.stderr);
+    let made = made.success();
+    assert!(made.contains("crane.trunks.toml; kept "), "{made}");
+    assert!(std::fs::read_to_string(folder.path().join("crane.skin.toml")).unwrap().contains("[[patch]]"));
 }
 
 /// Tests that a reach in which nothing touches the skin says so, and that one without skin does not.

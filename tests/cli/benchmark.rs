@@ -95,7 +95,8 @@ fn the_audit_half_follows_from_the_model() {
 #[test]
 fn what_does_not_go_with_a_track_is_refused() {
     let remedy = "give a model for verdicts and transfer, a controller for reaching";
-    underbrush!["benchmark", "verdicts"].refused(&["verdicts\" with no model and no controller", remedy]);
+    let allowed = "allowed: verdicts or transfer with a model, reaching with a controller";
+    underbrush!["benchmark", "verdicts"].refused(&["verdicts\" with no model and no controller", allowed, remedy]);
     underbrush!["benchmark", "transfer", "--controller", "blind"].refused(&["with no model and a controller", remedy]);
     underbrush!["benchmark", "reaching", "--model", "touch.json"].refused(&["with a model and no controller", remedy]);
     underbrush!["benchmark", "reaching", "--verdicts", "touch.json"].refused(&["--controller <NAME>"]);

@@ -125,6 +125,19 @@ fn files_are_blessed_together() {
     assert_eq!(std::fs::read_to_string(&file).unwrap(), text);
 }
 
+/// Tests that the file's own limit of the audit stays with `--bless`, and that the error says so if it does not hold.
+#[test]
+fn a_limit_of_the_file_is_not_blessed() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = small(folder.path());
+    let text = "summary = \"No error at all\"\n[[scenes]]\nscene = \"trunks & posts.toml\"\nreaches = 2\n[scenes.bounds]\n\
+                audit = { at_most = 0 }\n";
+    std::fs::write(&file, text).unwrap();
+    let answer = underbrush!["check", &file, "--bless"];
+    assert_eq!(answer.status, 1, "{}", answer.stderr);
+    assert!(answer.stderr.contains("1 bound does not hold: --bless keeps the limits of `audit`"), "{}", answer.stderr);
+}
+
 /// Tests that a suite can have a touch model, and that its verdict `nothing` has metrics of its own.
 #[test]
 fn touch_models_judge_suites() {

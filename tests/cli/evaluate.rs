@@ -159,6 +159,12 @@ fn fitted_to_one_table_and_tested_on_another() {
     let logistic =
         |test, train| underbrush!["evaluate", test, "--train", train, "--classifier", "logistic", "--json"].json();
     assert_ne!(logistic(odd, even)["predictions"], logistic(even, odd)["predictions"]);
+    let leaves = folder.path().join("leaves.csv");
+    let mut trials = read_trials(even).unwrap();
+    trials.retain(|trial| trial.category.as_deref() == Some("leaf"));
+    write_trials(&leaves, &trials).unwrap();
+    let answer = underbrush!["evaluate", odd, "--train", leaves, "--classifier", "peak-force"];
+    assert!(answer.stderr.contains("fitted are of the category leaf"), "{}", answer.stderr);
 }
 
 /// Tests that an input is not judged by what was fitted to it, under whatever name and in whatever copy, and that
@@ -304,6 +310,9 @@ fn thresholds_are_refused_for_other_scores() {
     evaluate("--recipe", "modern").refused(&["--decision paper", "forward"]);
     evaluate("--features", "force+motion").refused(&["--decision paper", "motion"]);
     evaluate("--states", "2").success();
+    // The other classifiers are not compared by them.
+    let open = underbrush!["evaluate", table, paper[0], paper[1], paper[2], paper[3], "--json"].json();
+    assert!(open["comparison"].is_null(), "{open}");
     underbrush!["classify", model, table, "--decision", "paper", "--score", "forward"].refused(&["forward"]);
     underbrush!["classify", model, table, "--decision", "paper"].success();
     underbrush!["classify", model, table, "--margin", "3"].refused(&["--margin", "--decision uncertain"]);

@@ -118,7 +118,8 @@ fn a_channel_of_a_log_is_a_feature() {
 }
 
 /// Tests that labelled reaches of a pad, with one of noise alone, become recordings from which a touch model learns both
-/// categories and the noise. Leaves press one taxel weakly, trunks four of them hard.
+/// categories and the noise, and that their folder stands for all of them, for classifiers of trials, too. Leaves press one taxel
+/// weakly, trunks four of them hard.
 #[test]
 fn touch_learns_from_a_labelled_log() {
     let folder = tempfile::tempdir().unwrap();
@@ -153,6 +154,7 @@ fn touch_learns_from_a_labelled_log() {
     let map = mapping(folder.path(), &format!("{text}[skin]\ntaxels = \"taxels.csv\"\n"));
     underbrush!["import", file, "--mapping", map, "--out", felt].success();
     underbrush!["import", file, "--mapping", map, "--out", felt].refused(&["felt", "--force"]);
+    underbrush!["import", file, "--mapping", map, "--out", taxels, "--force"].refused(&["an input of this command"]);
     underbrush!["import", file, "--mapping", map, "--out", felt, "--force"].success();
     underbrush!["import", file, "--mapping", map, "--out", folder.path(), "--force"]
         .refused(&["holds", "another name"]);
@@ -177,6 +179,40 @@ fn touch_learns_from_a_labelled_log() {
     assert_eq!(underbrush!["evaluate", felt, "--model", model, "--json"].json(), found);
     let page = folder.path().join("felt.html");
     assert_eq!(underbrush!["replay", felt, "--out", page, "--json"].json()["reaches"], 24);
+    let answers = underbrush!["classify", model, felt].success();
+    assert_eq!(answers.matches("\"reset\":true").count(), 23);
+    // Classifiers of trials see in the folder what they see in a table of its trials.
+    let [table, naive] = ["felt.csv", "naive.json"].map(|name| folder.path().join(name));
+    underbrush!["trials", felt, "--out", table].success();
+    let fit = ["--classifier", "naive-bayes", "--features", "force"];
+    underbrush!["train", felt, fit[0], fit[1], fit[2], fit[3], "--out", naive].success();
+    let provenance = &underbrush!["inspect", naive, "--json"].json()["provenance"];
+    assert_eq!(provenance["data"].as_array().unwrap().len(), 24);
+    let seen = |place: &Path| {
+        let evaluated = underbrush!["evaluate", place, fit[0], fit[1], fit[2], fit[3], "--json"].json();
+        (underbrush!["score", naive, place].success(), underbrush!["classify", naive, place].success(), evaluated)
+    };
+    assert_eq!(seen(&felt), seen(&table));
+    // A reach that is there twice would be in two folds, and one that is damaged is not left out.
+    let last = felt.join("reach-000024.parquet");
+    std::fs::copy(felt.join("reach-000000.parquet"), &last).unwrap();
+    underbrush!["score", naive, felt].refused(&["reach-000024.parquet", "the same data twice"]);
+    std::fs::write(&last, "PAR1").unwrap();
+    for answer in [
+        underbrush!["score", naive, felt],
+        underbrush!["evaluate", felt, "--model", model],
+        underbrush!["replay", felt, "--out", page, "--force"],
+        underbrush!["train", felt, "--classifier", "touch", "--out", by_folder, "--force"],
+    ] {
+        answer.refused(&["reach-000024.parquet", "a complete Parquet file"]);
+    }
+    // All of its recordings have another rate, which is said once.
+    let slow = folder.path().join("slow");
+    let slower = text.replace("rate_hz = 100", "rate_hz = 50");
+    let map = mapping(folder.path(), &format!("{slower}[skin]\ntaxels = \"taxels.csv\"\n"));
+    underbrush!["import", file, "--mapping", map, "--out", slow].success();
+    let warned = underbrush!["replay", slow, "--model", model, "--out", page, "--force"];
+    assert_eq!(warned.stderr.matches("frames at 50 Hz").count(), 1, "{}", warned.stderr);
 }
 
 /// Tests that an error in the mapping shows its line, and that a log that does not exist is named.

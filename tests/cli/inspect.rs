@@ -44,7 +44,7 @@ fn each_kind_of_thing_is_recognized() {
     assert_eq!(found["features"], serde_json::json!(["force_n"]));
 }
 
-/// Tests that the torques of a set balance, and that only data sets are compared.
+/// Tests that the torques of a set balance, and that options for one kind of input are refused for others.
 #[test]
 fn torques_balance() {
     let fixture = fixture();
@@ -53,4 +53,5 @@ fn torques_balance() {
     assert!(scene["windows"].as_u64().unwrap() > 10, "{scene}");
     assert!(scene["residual_share"].as_f64().unwrap() < scene["bound"].as_f64().unwrap(), "{scene}");
     underbrush!["inspect", "mixed", "--audit"].refused(&["mixed", "data sets"]);
+    underbrush!["inspect", fixture.dataset(), "--seed", "5"].refused(&["--seed is for scenes"]);
 }

@@ -3,6 +3,7 @@
 use std::fs;
 
 use underbrush_recording::disk::Dataset;
+use underbrush_sim::materials::MaterialFile;
 
 use crate::support::{scenes, underbrush};
 
@@ -71,6 +72,25 @@ fn a_press_becomes_materials() {
         "an unknown constant",
         "skin_loss_time_s",
     ]);
+}
+
+/// Tests that a constant outside of its limits, here the thickness of a layer that hardly hardens, is left out with a warning, so that
+/// `generate` takes the file.
+#[test]
+fn a_constant_outside_of_its_limits_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let [press, materials] = ["press.csv", "skin.toml"].map(|name| folder.path().join(name));
+    // 1 cm² of a layer of 20 cm, pressed to 2 mm.
+    let sample = |number: u32| {
+        let depth = 1e-5 * f64::from(number + 1);
+        format!("{},{depth},{}\n", 0.1 * f64::from(number), 1e-4 * 1.2e7 * depth / (1.0 - 5.0 * depth))
+    };
+    fs::write(&press, format!("time_s,depth_m,force_n\n{}", (0..200).map(sample).collect::<String>())).unwrap();
+    let fit = underbrush!["fit-skin", press, "--punch-area-cm2", "1", "--out", materials];
+    let warning = "skin.toml is without skin_thickness_m, because the fit gives 0.2";
+    assert!(fit.status == 0 && fit.stderr.contains(warning), "{}", fit.stderr);
+    let constants = MaterialFile::load(&materials).unwrap().constants;
+    assert_eq!(constants.keys().collect::<Vec<_>>(), ["skin_modulus_n_per_m3"]);
 }
 
 /// Tests the law against a published press, NIST's of a foam of 10 mm at one speed to half of its thickness (docs/arms.md): the

@@ -127,7 +127,7 @@ fn too_little_data_is_warned_of() {
 }
 
 /// Tests that a model of a table knows its rate: frames of it are judged without a word, and a table of a tenth of the rate is warned
-/// of.
+/// of, also if training goes on with it.
 #[test]
 fn a_model_of_a_table_knows_its_rate() {
     let folder = tempfile::tempdir().unwrap();
@@ -138,9 +138,8 @@ fn a_model_of_a_table_knows_its_rate() {
     assert!(!classify(&table).contains(" Hz"), "{}", classify(&table));
     let rows = (0..12).map(|sample| format!("{},leaf,{},0.4\n", sample / 6, 0.1 * f64::from(sample)));
     std::fs::write(&slow, format!("trial,category,time_s,force_n\n{}", rows.collect::<String>())).unwrap();
-    assert!(
-        classify(&slow).contains("frames at 10 Hz, but the model was fitted to frames at 100 Hz"),
-        "{}",
-        classify(&slow)
-    );
+    let further = underbrush!["train", slow, "--start", model, "--out", folder.path().join("further.json")].stderr;
+    for errors in [classify(&slow), further] {
+        assert!(errors.contains("frames at 10 Hz, but the model was fitted to frames at 100 Hz"), "{errors}");
+    }
 }

@@ -74,6 +74,9 @@ fn force_removes_data_sets_alone() {
     std::fs::remove_file(set.join("notes.txt")).unwrap();
     underbrush!["generate", "--from", set, "--out", set, "--force"].refused(&["an input of this command"]);
     underbrush!["merge", set, "--out", set, "--force"].refused(&["set"]);
+    // A campaign that is refused has made nothing that could take the set's place.
+    let impossible = underbrush!["generate", scene, "--reaches", "1", "--shard", "1/2", "--out", set, "--force"];
+    impossible.refused(&["2 parts, and the number of reaches is 1"]);
     let after = tree(folder.path());
     assert!(after.iter().all(|(name, bytes)| before[name] == *bytes) && after.len() + 1 == before.len());
     // What an interrupted run has left is removed, too.

@@ -30,8 +30,8 @@ fn reaches_are_written_as_one_file() {
     }
 }
 
-/// Tests that options that do not fit together, missing files, files of another kind and numbers outside the list are
-/// refused with the reason, and that nothing is written.
+/// Tests that options that do not fit together, missing files, files of another kind, empty folders and numbers outside the
+/// list are refused with the reason, and that nothing is written.
 #[test]
 fn bad_usage_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -46,6 +46,10 @@ fn bad_usage_is_refused() {
     underbrush!["replay", set, "--reaches", "0"].refused(&["--out"]);
     underbrush!["replay", set, "--reaches", "0", "--no-open"].refused(&["--reaches", "--no-open"]);
     underbrush!["replay", set, "--reaches", "0", "--port", "0"].refused(&["--reaches", "--port"]);
+    let empty = folder.path().join("empty");
+    std::fs::create_dir(&empty).unwrap();
+    underbrush!["replay", empty, "--out", page]
+        .refused(&["no meta/info.json and no recordings", "a folder with recordings"]);
     assert!(!page.exists());
 }
 
@@ -178,9 +182,11 @@ fn bad_pictures_are_refused() {
     underbrush!["replay", set, "--reaches", "0", "--video", gif, "--speed", "nan"].refused(&["--speed", "0.1 to 100"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--fps", "5"].refused(&["--fps", "--still"]);
     underbrush!["replay", set, "--fps", "5"].refused(&["--video"]);
+    underbrush!["replay", set, "--reaches", "0", "--still", png, "--patch", "hand"].refused(&["--patch", "--still"]);
     underbrush!["replay", set, "--out", png, "--time", "1"].refused(&["--out", "--time"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--video", gif].refused(&["--still", "--video"]);
-    underbrush!["replay", set, "--size", "64x64"].refused(&["--still"]);
+    underbrush!["replay", set, "--size", "64x64"].refused(&["<--still <FILE.png>|--video <FILE.gif>>"]);
+    underbrush!["inspect", set, "--still", png].refused(&["--still is for arms", "`underbrush replay --still`"]);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 

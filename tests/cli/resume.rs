@@ -49,10 +49,10 @@ fn a_killed_run_resumes_to_the_same_bytes() {
     interrupted(&scene, &broken);
 
     let name = broken.display().to_string();
-    underbrush!["inspect", broken].refused(&[&name, "unfinished", "--resume"]);
+    underbrush!["inspect", broken].refused(&[&name, "unfinished", "run what began it again, with --resume"]);
     underbrush!["generate", scene, "--reaches", "8", "--seed", "3", "--out", broken].refused(&[&name, "--resume"]);
     let other_seed = underbrush!["generate", scene, "--reaches", "8", "--seed", "9", "--out", broken, "--resume"];
-    other_seed.refused(&[&name, "provenance.seed was 3, now 9"]);
+    other_seed.refused(&[&name, "provenance.seed was 3, now 9", "options and version"]);
 
     let first = staged(&broken).into_iter().find(|path| path.extension().unwrap() == "bin").unwrap();
     let bytes = std::fs::read(&first).unwrap();

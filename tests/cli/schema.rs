@@ -24,6 +24,32 @@ fn the_schema_lists_the_keys_of_a_scene() {
     assert_eq!(kinds, ["foam_block", "foam_roll", "leaf", "plant", "table", "trunk", "water_bottle"]);
 }
 
+/// Tests that the schema of scenes gives a range for every number, also in lists and maps.
+#[test]
+fn every_number_of_a_scene_has_a_range_in_its_schema() {
+    fn find_bare(schema: &Value, place: &str, bare: &mut Vec<String>) {
+        let is_number = |kind: &Value| kind == "number" || kind == "integer";
+        if (is_number(&schema["type"]) || is_number(&schema["type"][0])) && schema["minimum"].is_null() {
+            bare.push(place.to_owned());
+        }
+        match schema {
+            Value::Object(parts) => {
+                parts.iter().for_each(|(key, part)| find_bare(part, &format!("{place}/{key}"), bare));
+            }
+            Value::Array(parts) => parts.iter().for_each(|part| find_bare(part, place, bare)),
+            _ => {}
+        }
+    }
+    let mut scene = schema("scene");
+    // A number before its field gives it a range.
+    scene["$defs"].as_object_mut().unwrap().remove("Quantity");
+    let mut bare = Vec::new();
+    find_bare(&scene, "", &mut bare);
+    assert_eq!(bare, Vec::<String>::new());
+    let force = &scene["properties"]["allowed_force_n"]["additionalProperties"];
+    assert_eq!((&force["maximum"], &force["unit"]), (&json!(100.0), &json!("N")));
+}
+
 /// Tests that arm and skin files have schemas, which forbid unknown keys and give ranges.
 #[test]
 fn arm_and_skin_files_have_schemas() {

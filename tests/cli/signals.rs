@@ -58,6 +58,13 @@ fn generate_can_be_interrupted_and_resumed() {
         assert!(first.exists() && set.join("incomplete/reach-000000.bin").exists());
         assert_eq!(unfinished(&set), Vec::<PathBuf>::new());
     }
+    // `--resume` with `--force` would be refused.
+    let set = folder.path().join("forced");
+    let first = set.join("incomplete/reach-000000.json");
+    let forced = [generate(&set, "200"), vec!["--force".into()]].concat();
+    let output = interrupted(&forced, "INT", || first.exists()).unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(stderr.contains("the same command with --resume in place of --force"), "{stderr}");
     // Again with few reaches, and resumed until the set is complete.
     let [whole, resumed] = ["whole", "resumed"].map(|name| folder.path().join(name));
     let first = resumed.join("incomplete/reach-000000.json");

@@ -93,6 +93,18 @@ fn given_models_are_evaluated_with_their_thresholds() {
     underbrush!["evaluate", table_csv, "--model", path, "--folds", "3"].refused(&["--model", "--folds"]);
 }
 
+/// Tests that `train --start` says that it does not keep thresholds.
+#[test]
+fn continued_training_drops_thresholds_with_a_warning() {
+    let (folder, path, _) = model();
+    let out = folder.path().join("further.json");
+    let trained = underbrush!["train", fixture().table_csv(), "--start", path, "--iterations", "1", "--out", out];
+    assert_eq!(trained.status, 0, "{}", trained.stderr);
+    assert!(trained.stderr.contains("thresholds are not kept"), "{}", trained.stderr);
+    let file: Value = serde_json::from_str(&std::fs::read_to_string(out).unwrap()).unwrap();
+    assert_eq!(file.get("decision"), None);
+}
+
 /// Tests that a rate that is too small for the number of trials is refused with the number that it takes, and that a
 /// rate of 0 is refused.
 #[test]
@@ -135,6 +147,8 @@ fn categories_that_are_never_named_are_warned_of() {
         rate[0],
         rate[1]
     ];
+    let band = "nats is a category, less is uncertain, and nothing is called an outlier";
+    assert!(trained.stdout.contains(band), "{}", trained.stdout);
     for category in ["leaf", "trunk"] {
         let warning = format!("no held-out {category} is called {category}; allow a higher --false-positive-rate");
         assert!(trained.stderr.contains(&warning), "{}", trained.stderr);

@@ -5,7 +5,7 @@ use underbrush_recording::math::median;
 
 use super::touch::{CalibrationBin, TouchEvaluation, TouchTally};
 use super::touch_object::JudgedObject;
-use super::{Accuracy, GroupingFigures, ObjectVerdicts, SAMPLE_COUNTS, StiffnessFigures, UnknownFigures};
+use super::{Accuracy, GroupingFigures, NOTHING, ObjectVerdicts, SAMPLE_COUNTS, StiffnessFigures, UnknownFigures};
 
 /// The figures of a [`TouchEvaluation`]. All shares are from 0 to 1, and `None` if there is nothing to count.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -101,12 +101,10 @@ pub struct RightWithin {
 impl TouchFigures {
     /// The figures of verdicts by a model with these categories.
     pub fn of(evaluation: &TouchEvaluation, categories: &[String]) -> Self {
-        let contacts = &evaluation.contacts;
-        let truths = ["nothing".to_owned()].into_iter();
-        let truths = truths.chain(categories.iter().cloned()).chain([OTHERS.to_owned()]);
+        let truths = [NOTHING.to_owned()].into_iter().chain(categories.iter().cloned()).chain([OTHERS.to_owned()]);
         let (nothing, known) = (evaluation.tallies.first().copied().unwrap_or_default(), evaluation.known());
-        let mut until_right: Vec<usize> = contacts.iter().filter_map(|own| own.samples_until_right).collect();
-        until_right.sort_unstable();
+        let until_right = evaluation.contacts.iter().filter_map(|own| own.samples_until_right);
+        let until_right: Vec<f64> = until_right.map(|samples| samples as f64).collect();
         TouchFigures {
             unknown: UnknownFigures::of(&evaluation.objects, categories),
             object_verdicts: ObjectVerdicts::of(&evaluation.objects, categories),
@@ -129,8 +127,8 @@ impl TouchFigures {
             touches_lost: share(known.nothing, known.total()),
             contacts_at_end: evaluation.accuracy(categories, |own| own.at_end),
             contacts_after_tenth_second: evaluation.accuracy(categories, |own| own.after_tenth_second),
-            first_right_verdict: first_right(&until_right, contacts.len()),
-            median_samples_until_right: median(until_right.iter().map(|own| *own as f64).collect()),
+            first_right_verdict: first_right(&until_right, evaluation.contacts.len()),
+            median_samples_until_right: median(until_right),
             expected_calibration_error: evaluation.expected_calibration_error(),
             brier_score: evaluation.brier_score(),
             calibration: evaluation.calibration.to_vec(),
@@ -145,11 +143,10 @@ fn share(part: usize, all: usize) -> Option<f64> {
     (all > 0).then(|| part as f64 / all as f64)
 }
 
-/// The share of contacts with a right verdict after 1, 2, 3, … samples. `until_right` is in ascending order, without
-/// the contacts that never had a right verdict.
-fn first_right(until_right: &[usize], contacts: usize) -> Vec<RightWithin> {
+/// The share of contacts with a right verdict after 1, 2, 3, … samples. `until_right` lacks the contacts that never had one.
+fn first_right(until_right: &[f64], contacts: usize) -> Vec<RightWithin> {
     let within = |samples: Option<usize>| {
-        let count = until_right.partition_point(|own| samples.is_none_or(|samples| *own <= samples));
+        let count = until_right.iter().filter(|own| samples.is_none_or(|samples| **own <= samples as f64)).count();
         share(count, contacts).map(|share| RightWithin { samples, share })
     };
     let counts = SAMPLE_COUNTS.into_iter().map(Some).chain([None]);

@@ -81,17 +81,21 @@ fn judged<R: ReadReaches>(
     reaches: &R,
 ) -> Result<TouchReport, R::Error> {
     let (mut verdicts, mut decisions) = (TouchEvaluation::default(), Vec::new());
+    let (parts, count) = (folds.unwrap_or(1), reaches.count());
     for (part, model) in models.enumerate() {
         let model = Arc::new(model?);
         decisions.push(model.decision);
-        reaches.read(&|position| position % folds.unwrap_or(1) == part, &mut |recording| {
+        reaches.read(&|position| position % parts == part, &mut |recording| {
             require_truth(recording)?;
             verdicts.add(TouchEvaluation::of(&model, recording)?);
             Ok(())
         })?;
     }
-    let figures = TouchFigures::of(&verdicts, categories);
-    Ok(TouchReport { folds, reaches: reaches.count(), categories: categories.to_vec(), decisions, figures })
+    let mut figures = TouchFigures::of(&verdicts, categories);
+    // One part was judged after the other.
+    let positions: Vec<usize> = (0..parts).flat_map(|part| (part..count).step_by(parts)).collect();
+    figures.objects.iter_mut().for_each(|own| own.reach = positions[own.reach]);
+    Ok(TouchReport { folds, reaches: count, categories: categories.to_vec(), decisions, figures })
 }
 
 /// Judges reaches with a model.

@@ -13,7 +13,7 @@ use crate::touch::{
 /// Verdicts that stood at some moments of an object: categories, `uncertain` or `unknown`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct JudgedObject {
-    /// The reach, from 0 in the order in which they were judged.
+    /// The reach, from 0 in the order in which they were judged; in a report, in the order in which they were given.
     pub reach: usize,
     /// Number of the object in its reach, from 1. Contacts that begin near each other count as one object.
     pub object: u64,

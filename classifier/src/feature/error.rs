@@ -35,7 +35,10 @@ fn remedy(feature: &Feature) -> String {
     if feature.of_region {
         let columns = FEATURES.into_iter().filter(|feature| feature.of_region);
         let columns: Vec<&str> = columns.map(|feature| feature.column).collect();
-        format!("fill the columns {} (underbrush trials writes them)", columns.join(", "))
+        format!(
+            "fill the columns {} (underbrush trials writes them for a patch whose taxels form a grid)",
+            columns.join(", ")
+        )
     } else {
         format!("give every row a number in the column {}", feature.column)
     }

@@ -96,7 +96,8 @@ fn bad_trials_are_named() {
     assert_eq!(
         error.to_string(),
         "trial 7, sample 0 (from 0) has no region_taxels, which the feature area needs; fill the columns region_taxels, \
-         region_largest_force_n, region_force_sum_n (underbrush trials writes them), or choose features without area"
+         region_largest_force_n, region_force_sum_n (underbrush trials writes them for a patch whose taxels form a grid), or \
+         choose features without area"
     );
     let nan = trial(&[(1.0, Some(0.0)), (2.0, Some(f64::NAN))]);
     let error = FeatureSet::FORCE_AND_MOTION.observations(&nan, None).unwrap_err();

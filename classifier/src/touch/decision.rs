@@ -52,7 +52,7 @@ impl Default for TouchDecision {
 /// In an object's first stage the share of known objects that are as unlike is multiplied by this: little is known of the object by then,
 /// and most objects that were called unknown were known ones. Choice, on development seed 6000: of the verdicts on known objects after 0.3 s, 2.2 instead
 /// of 4.2 % are wrong, and at the end up to three points fewer unknown objects are found.
-const EARLY: f64 = 5.0;
+pub(super) const EARLY: f64 = 5.0;
 
 /// What touches a taxel or a region.
 ///

@@ -10,7 +10,7 @@ use underbrush_recording::limits::{self, Limits};
 
 use super::batch_scores::FeatureRows;
 use super::contact_history::REGION_FEATURE_COUNT;
-use super::decision::TouchDecision;
+use super::decision::{EARLY, TouchDecision};
 use super::frame::{TAXEL_FEATURE_COUNT, TouchOptions};
 use super::network::{FITTED, Network, softmax};
 use super::object::{ObjectCategories, StiffnessTrees, UnknownObjects};
@@ -86,9 +86,24 @@ impl Calibrated {
 }
 
 impl TouchModel {
-    /// Warns of a fit that cannot tell anything apart.
+    /// Warns of a fit that cannot tell anything apart, or that calls nothing unknown although it was trained on unknown objects.
     pub fn warn_of_little_data(&self) {
         warn_of_one_category(&self.categories);
+        let share = self.decision.unknown_share;
+        if self.least_unknown_share().is_some_and(|least| share < least) {
+            log::warn!(
+                "warning: the model calls nothing unknown, because it was trained on too few known objects for an unknown share \
+                 of {share}; train on more reaches, or give classify and evaluate a larger --unknown-share"
+            );
+        }
+    }
+
+    /// The smallest [`TouchDecision::unknown_share`] with which any object can be called unknown. The fewer known objects the
+    /// model was trained on, the larger it is. `None` if the model was trained without auxiliary sets.
+    pub fn least_unknown_share(&self) -> Option<f64> {
+        let shares = self.unknown.as_ref()?.least_shares();
+        let limits = shares.enumerate().map(|(stage, share)| if stage == 0 { EARLY * share } else { share });
+        Some(limits.fold(1.0, f64::min))
     }
 
     /// The known categories in alphabetical order: the order of all probabilities.

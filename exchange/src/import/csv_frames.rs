@@ -3,13 +3,14 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use underbrush_recording::disk::whole_number;
 use underbrush_recording::fault::line_of_row;
 use underbrush_recording::limits::{CSV_BYTES, short};
 use underbrush_recording::{InputError, read_bytes};
 
 use super::Mapping;
 use super::cutter::{Cutter, Place};
-use super::mapping::{Channel, TAXEL};
+use super::mapping::{Channel, MappingFile, TAXEL};
 use super::recorder::Recorder;
 
 /// The indices of the columns.
@@ -25,26 +26,39 @@ struct Columns {
 }
 
 impl Columns {
-    fn find(path: &Path, mapping: &Mapping, names: &csv::StringRecord) -> Result<Self, InputError> {
+    /// Finds the columns of the mapping among the names in this line.
+    fn find(path: &Path, mapping: &Mapping, names: &csv::StringRecord, line: usize) -> Result<Self, InputError> {
+        let MappingFile { time, force, trial, .. } = &mapping.file;
+        let has = |name: &str| names.iter().any(|column| column == name);
+        let mut further = [&time.from, &trial.category_from, &trial.reach_from].into_iter().flatten();
+        let has_none = !has(&force.from.replace(TAXEL, "0")) && !further.any(|name| has(name));
+        let is_row = has_none && names.iter().any(|column| column.parse::<f64>().is_ok());
         let place = |field: &str, name: &str| -> Result<usize, InputError> {
             // `InputError` shortens the list if it is long.
             let listed = || names.iter().collect::<Vec<_>>().join(", ");
             let allowed = || format!("a column of {}: {}", path.display(), listed());
-            let mut found = names.iter().enumerate().filter(|(_, column)| column.trim() == name);
+            let mut found = names.iter().enumerate().filter(|(_, column)| *column == name);
             match (found.next(), found.next()) {
                 (Some((place, _)), None) => Ok(place),
                 (None, _) if names.len() < 2 && names.iter().all(|name| name.contains([';', '\t'])) => {
                     let found = names.get(0).map_or("an empty file".into(), |name| format!("one column, {name:?}"));
                     let allowed = "columns with commas between them, and their names in the first line";
-                    Err(InputError::new(path, "CSV", found, allowed, "write the file with commas").at_line(1))
+                    let remedy = "write the file with commas between cells, and points in numbers";
+                    Err(InputError::new(path, "CSV", found, allowed, remedy).at_line(line))
+                }
+                (None, _) if is_row => {
+                    let allowed = "the names of the columns, in the first line that does not begin with `#`";
+                    let remedy = format!("write {name:?} and the others there, or change `{field}` of the mapping");
+                    Err(InputError::new(path, "header", format!("numbers: {}", listed()), allowed, remedy)
+                        .at_line(line))
                 }
                 (None, _) => Err(mapping.fault(field, format!("{name:?}, which is no column"), allowed())),
                 (Some(_), Some(_)) => Err(mapping.fault(field, format!("{name:?}, which two columns have"), allowed())),
             }
         };
         let optional = |field: &str, name: &Option<String>| name.as_deref().map(|name| place(field, name)).transpose();
-        let from = &mapping.file.force.from;
-        match (mapping.file.force.taxels, from.contains(TAXEL)) {
+        let from = &force.from;
+        match (force.taxels, from.contains(TAXEL)) {
             (None, true) => {
                 let allowed = format!("`taxels = N`, because `from` has {TAXEL}");
                 return Err(mapping.fault("force.taxels", "nothing".into(), allowed));
@@ -69,34 +83,49 @@ impl Columns {
         Ok(Columns {
             pose,
             channels,
-            time: optional("time.from", &mapping.file.time.from)?,
+            time: optional("time.from", &time.from)?,
             forces,
-            category: optional("trial.category_from", &mapping.file.trial.category_from)?,
-            reach: optional("trial.reach_from", &mapping.file.trial.reach_from)?,
+            category: optional("trial.category_from", &trial.category_from)?,
+            reach: optional("trial.reach_from", &trial.reach_from)?,
         })
     }
 }
 
-/// Hands all rows of the file to the cutter and, if the skin is known, to the recorder. Returns the numbers of the labels that
-/// cover a frame.
+/// Makes blank lines of the comments above the header, so that rows keep their numbers. Comments begin with `#`.
+fn without_comments(text: &mut [u8]) {
+    let is_comment = |line: &[u8]| {
+        let line = line.strip_prefix("\u{feff}".as_bytes()).unwrap_or(line).trim_ascii();
+        line.is_empty() || line.starts_with(b"#")
+    };
+    // A carriage return ends a line, too, but is not counted.
+    let lines = text.split_mut(|byte| *byte == b'\n').take_while(|line| is_comment(line));
+    lines.for_each(|line| line.fill(b'\r'));
+}
+
+/// Hands all rows of the file to the cutter and, if the skin is known, to the recorder. Returns what is suspicious about the file.
 pub(super) fn read(
     path: &Path,
     mapping: &Mapping,
     cutter: &mut Cutter,
     mut recorder: Option<&mut Recorder>,
-) -> Result<BTreeSet<usize>, InputError> {
+) -> Result<Vec<String>, InputError> {
     if mapping.file.time.from.is_none() && mapping.file.time.rate_hz.is_none() {
         return Err(mapping.fault("time.from", "nothing".into(), "the column of the times, or `rate_hz`"));
     }
-    let text = read_bytes(path, &CSV_BYTES, "a readable file", "check the path")?;
-    let unreadable = |error: csv::Error| {
-        let line = error.position().map_or(1, |position| line_of_row(&text, position));
-        let remedy = "repair the file, or write it again as UTF-8 with one row per line";
-        InputError::new(path, "CSV", error.to_string(), "rows with as many cells as the header", remedy).at_line(line)
-    };
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(&text[..]);
+    let mut text = read_bytes(path, &CSV_BYTES, "a readable file", "check the path")?;
+    let mut parser = csv::ReaderBuilder::new();
+    parser.trim(csv::Trim::All);
+    // The name of the first column may begin with `#`, too.
+    let is_header = |names: &csv::StringRecord| Columns::find(path, mapping, names, 1).is_ok();
+    if !parser.from_reader(&text[..]).headers().is_ok_and(is_header) {
+        without_comments(&mut text);
+    }
+    let remedy = "repair the file, or write it again as UTF-8 with one row per line";
+    let unreadable = |error: csv::Error| InputError::of_csv(path, "CSV", &text, error, remedy);
+    let mut reader = parser.from_reader(&text[..]);
     let names = reader.headers().map_err(unreadable)?.clone();
-    let columns = Columns::find(path, mapping, &names)?;
+    let line_of = |row: &csv::StringRecord| row.position().map_or(1, |position| line_of_row(&text, position));
+    let columns = Columns::find(path, mapping, &names, line_of(&names))?;
     let mut row = csv::StringRecord::new();
     let mut readings = vec![0.0; columns.forces.len()];
     let mut channels: Vec<Vec<Option<f64>>> = vec![Vec::new(); columns.channels.len()];
@@ -104,19 +133,23 @@ pub(super) fn read(
     // Frames of the reach so far, for times that follow from the rate.
     let (mut reach_before, mut number) = (None, 0u64);
     while reader.read_record(&mut row).map_err(unreadable)? {
-        let line = row.position().map_or(0, |position| line_of_row(&text, position));
+        let line = line_of(&row);
         let cell = |column: usize| row.get(column).unwrap_or_default();
         let wrong = |column: usize, allowed: &str| {
             let (name, found) = (names.get(column).unwrap_or_default(), cell(column));
             let found = if found.is_empty() { "nothing".into() } else { format!("{found:?}") };
             InputError::new(path, name, found, allowed, "correct the cell, or delete the row").at_line(line)
         };
-        let parsed = |column: usize| cell(column).parse::<f64>().map_err(|_| wrong(column, "a number"));
+        let wrong_number = |column: usize| wrong(column, "a number, with a point before its decimals");
+        let parsed = |column: usize| cell(column).parse::<f64>().map_err(|_| wrong_number(column));
         for (reading, column) in readings.iter_mut().zip(&columns.forces) {
             *reading = parsed(*column)?;
         }
         let reach = match columns.reach {
-            Some(column) => cell(column).parse().map_err(|_| wrong(column, "a whole number, 0 or more"))?,
+            Some(column) => {
+                let number = whole_number(cell(column)).and_then(|number| u64::try_from(number).ok());
+                number.ok_or_else(|| wrong(column, "a whole number, 0 or more"))?
+            }
             None => 0,
         };
         number = if reach_before.replace(reach) == Some(reach) { number + 1 } else { 0 };
@@ -156,5 +189,9 @@ pub(super) fn read(
         }
         cutter.push(&place, &readings, &channels)?;
     }
-    Ok(used_labels)
+    let (from, taxels) = (&mapping.file.force.from, mapping.taxels());
+    let next = from.replace(TAXEL, &taxels.to_string());
+    let is_left_out = from.contains(TAXEL) && names.iter().any(|column| column == next);
+    let left_out = is_left_out.then(|| format!("the column {next:?} is left out: `taxels` of the mapping is {taxels}"));
+    Ok(left_out.into_iter().chain(mapping.unused_labels(&used_labels)).collect())
 }

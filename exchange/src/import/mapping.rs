@@ -8,6 +8,7 @@ use std::sync::Arc;
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
 use underbrush_recording::disk::TRIAL_COLUMNS;
+use underbrush_recording::limits::NAME_BYTES;
 use underbrush_recording::{
     Category, Grid, InputError, Limits, TEXT_BYTES, is_plain, line_setting, parse_toml, read_text, short,
 };
@@ -57,7 +58,7 @@ pub(super) struct MappingFile {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Channel {
-    /// Its name in the trials.
+    /// Its name in the trials, without `+` and commas.
     pub(super) name: Arc<str>,
     /// The column of each taxel, with `{taxel}` in place of its number from 0, or one column for all taxels. A cell without a
     /// number means that nothing was measured there.
@@ -280,8 +281,11 @@ impl Mapping {
         }
         for (number, own) in channels.iter().enumerate() {
             let field = format!("channel[{number}].name");
-            if own.name.is_empty() || !is_plain(&own.name) || TRIAL_COLUMNS.contains(&&*own.name) {
-                return Err(self.fault(&field, format!("{:?}", own.name), "a name that no column of trials has"));
+            // As features are named, and as cells are read.
+            let is_name = is_plain(&own.name) && !own.name.contains(['+', ',']) && own.name.trim() == &*own.name;
+            if own.name.is_empty() || !is_name || TRIAL_COLUMNS.contains(&&*own.name) {
+                let allowed = "a name that no column of trials has, without `+`, commas and spaces around it";
+                return Err(self.fault(&field, format!("{:?}", own.name), allowed));
             }
             if channels[..number].iter().any(|before| before.name == own.name) {
                 return Err(self.fault(&field, format!("{:?} again", own.name), "one channel of each name"));
@@ -314,16 +318,22 @@ impl Mapping {
                 return Err(self.fault(&field, format!("{name:?}"), allowed));
             }
         }
-        if let Some(patch) = trial.patch.as_deref().filter(|name| name.is_empty() || name.contains('/')) {
-            return Err(self.fault("trial.patch", format!("{patch:?}"), "a name without `/`, which is not empty"));
+        let is_name =
+            |name: &&str| !name.contains('/') && is_plain(name) && (1..=NAME_BYTES.most).contains(&(name.len() as u64));
+        if let Some(patch) = trial.patch.as_deref().filter(|name| !is_name(name)) {
+            let allowed = format!("a name without `/` and control characters, of 1 to {} bytes", NAME_BYTES.most);
+            return Err(self.fault("trial.patch", format!("{patch:?}"), allowed));
         }
         Ok(())
     }
 
-    /// An error about a field, with the line that sets it.
+    /// An error about a field `table.key`, with the line that sets it.
     pub(super) fn fault(&self, field: &str, found: String, allowed: impl Into<String>) -> InputError {
-        let key = field.rsplit('.').next().unwrap_or(field);
-        let remedy = format!("change `{key}` in {}", self.path.display());
+        let (table, key) = field.rsplit_once('.').unwrap_or(("", field));
+        let remedy = match line_setting(&self.text, field) {
+            Some(_) => format!("change `{key}` in {}", self.path.display()),
+            None => format!("add `{key}` to [{table}] in {}", self.path.display()),
+        };
         InputError::new(&self.path, field, found, allowed, remedy).at_line(self.line(field))
     }
 
@@ -339,9 +349,9 @@ impl Mapping {
         self.file.force.taxels.unwrap_or(1) as usize
     }
 
-    /// A path that the mapping gives, relative to its folder.
-    pub(super) fn beside(&self, path: &Path) -> PathBuf {
-        self.path.with_file_name("").join(path)
+    /// The file with the places of the taxels, if the mapping names one.
+    pub fn taxels_file(&self) -> Option<PathBuf> {
+        self.file.skin.as_ref().map(|skin| self.path.with_file_name("").join(&skin.taxels))
     }
 
     /// The labels that cover a time of a reach: one of this reach, which counts first, and one of all reaches.

@@ -15,7 +15,7 @@ mod time_grid;
 use std::path::Path;
 
 use underbrush_recording::disk::channel_names;
-use underbrush_recording::{InputError, Recording, Trial};
+use underbrush_recording::{InputError, Recording, Trial, period_s, short};
 
 use cutter::Cutter;
 use recorder::Recorder;
@@ -78,7 +78,11 @@ pub fn import(path: &Path, mapping: &Mapping, with_recordings: bool) -> Result<I
         };
         return Err(InputError::new(path, "file name", format!("extension {extension:?}"), ".csv", remedy));
     }
-    let used_labels = csv_frames::read(path, mapping, &mut cutter, recorder.as_mut())?;
+    let of_file = csv_frames::read(path, mapping, &mut cutter, recorder.as_mut())?;
+    if cutter.frames == 0 {
+        let remedy = "check that the log was written to its end";
+        return Err(InputError::new(path, "CSV", "a header without rows", "a row for each frame", remedy));
+    }
     let trials = cutter.finish();
     if trials.is_empty() && recorder.is_none() {
         let found = format!("none in {} frames", cutter.frames);
@@ -89,7 +93,8 @@ pub fn import(path: &Path, mapping: &Mapping, with_recordings: bool) -> Result<I
     }
     let (recordings, of_recordings) = recorder.map_or(Ok(Default::default()), Recorder::finish)?;
     let of_trials = single_samples(&trials).into_iter().chain(without_numbers(&trials, mapping));
-    let warnings = mapping.unused_labels(&used_labels).into_iter().chain(of_trials).chain(of_recordings).collect();
+    let of_trials = of_trials.chain(other_unit(&trials, mapping));
+    let warnings = of_file.into_iter().chain(of_trials).chain(of_recordings).collect();
     Ok(Imported { trials, recordings, frames: cutter.frames, reaches: cutter.begun.len(), warnings })
 }
 
@@ -103,6 +108,14 @@ fn single_samples(trials: &[Trial]) -> Option<String> {
             trials.len()
         )
     })
+}
+
+/// A warning if the times of the log are those of no skin, but of one in another unit. Choice: from 20 kHz to a frame in 1.5 s.
+fn other_unit(trials: &[Trial], mapping: &Mapping) -> Option<String> {
+    let is_odd = |period_s: &f64| mapping.file.time.from.is_some() && !(5e-5..=1.5).contains(period_s);
+    let rate_hz = 1.0 / period_s(trials).filter(is_odd)?;
+    let rate = short((1e3 * rate_hz).round() / 1e3);
+    Some(format!("by its times, the log has {rate} frames per second: check `time.unit` of the mapping"))
 }
 
 /// A warning for each channel of the mapping that has no number in any sample, as a column of text.

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use glam::DVec3;
+use underbrush_recording::fault::line_of_row;
 use underbrush_recording::limits::{MAX_TAXELS, TEXT_BYTES, short};
 use underbrush_recording::math::median;
 use underbrush_recording::{
@@ -20,6 +21,8 @@ const NOTHING: &str = "nothing";
 const FASTEST_M_PER_S: f64 = 20.0;
 /// How much the rates of the reaches of one log may differ, relatively.
 const RATE_DIFFERENCE: f64 = 0.02;
+/// A larger share of missing frames is warned of. Choice: more than a busy logger loses.
+const MANY_MISSING: f64 = 0.1;
 /// The columns of the file of taxels, and their largest sizes: places and areas as in skin files, so that millimetres are noticed.
 const TAXEL_COLUMNS: [&str; 7] = ["x_m", "y_m", "z_m", "normal_x", "normal_y", "normal_z", "area_m2"];
 const LARGEST: [f64; 7] = [5.0, 5.0, 5.0, 1e3, 1e3, 1e3, 0.25];
@@ -31,7 +34,7 @@ pub(super) struct Recorder<'a> {
     /// The log. Its name takes the place of the scene.
     path: &'a Path,
     reaches: Vec<Recording>,
-    /// The first line of each reach.
+    /// The line of each frame.
     lines: Vec<usize>,
     /// The largest speed of the skin, m/s, and the line of its frame.
     fastest: (f64, usize),
@@ -48,12 +51,12 @@ impl<'a> Recorder<'a> {
         let missing = || {
             mapping.fault("skin.taxels", "nothing".into(), "the file of the taxels' places, for recordings in a folder")
         };
-        let skin = mapping.file.skin.as_ref().ok_or_else(missing)?;
+        let file = mapping.taxels_file().ok_or_else(missing)?;
         let name = mapping.file.trial.patch.clone().unwrap_or_else(|| "skin".into());
-        let taxels = read_taxels(&mapping.beside(&skin.taxels))?;
+        let taxels = read_taxels(&file)?;
         let expected = mapping.taxels();
         if taxels.len() != expected {
-            let found = format!("{} rows in {}", taxels.len(), skin.taxels.display());
+            let found = format!("{} rows in {}", taxels.len(), file.display());
             return Err(mapping.fault("skin.taxels", found, format!("a row for each of {expected} taxels")));
         }
         let layout = SkinLayout { patches: vec![Patch { link: name.clone(), name, grid: mapping.grid, taxels }] };
@@ -75,10 +78,10 @@ impl<'a> Recorder<'a> {
     pub(super) fn push(&mut self, place: &Place, readings: &[f64], pose: Option<[f64; 7]>) -> Result<(), InputError> {
         if self.reaches.last().is_none_or(|last| last.reach_index != place.reach) {
             self.reaches.push(self.empty(place.reach));
-            self.lines.push(place.line);
             self.label.clear();
             self.object = None;
         }
+        self.lines.push(place.line);
         let Some(reach) = self.reaches.last_mut() else { return Ok(()) };
         let forces_n = readings.iter().map(|reading| self.mapping.force_n(*reading).max(0.0));
         let pressed_n = |force_n: f64| if force_n > self.mapping.threshold_n { force_n } else { 0.0 };
@@ -166,17 +169,21 @@ impl<'a> Recorder<'a> {
     /// at 0.
     pub(super) fn finish(self) -> Result<(Vec<Recording>, Vec<String>), InputError> {
         let Recorder { mapping, path, layout, mut reaches, .. } = self;
-        for (reach, line) in reaches.iter_mut().zip(&self.lines) {
+        let (mut lines, mut all) = (&self.lines[..], 0);
+        for reach in &mut reaches {
+            let (own_lines, later_lines) = lines.split_at(reach.frames.len());
+            lines = later_lines;
             let times_s: Vec<f64> = reach.frames.iter().map(|frame| frame.time_s).collect();
             let grid = TimeGrid::of(&times_s, mapping.file.time.rate_hz);
-            let grid = grid.map_err(|(found, allowed)| {
-                let remedy = "write the frames at one rate, begin a new reach there (`reach_from` of the mapping), or give the rate as \
-                              `time.rate_hz`";
+            let grid = grid.map_err(|(found, allowed, frame)| {
+                let remedy = "write the frames at one rate, begin a new reach there (`reach_from` of the mapping), or give the right \
+                              rate as `time.rate_hz`";
                 let found = format!("{found} in reach {}", reach.reach_index);
-                InputError::new(path, "time", found, allowed, remedy).at_line(*line)
+                InputError::new(path, "time", found, allowed, remedy).at_line(own_lines.get(frame).copied())
             })?;
             reach.rate_hz = grid.rate_hz;
             reach.frames = grid.filled(std::mem::take(&mut reach.frames));
+            all += reach.frames.len();
             for (number, frame) in (0..).zip(&reach.frames) {
                 let object = frame.taxels.iter().find_map(|own| own.object);
                 let force_n = frame.taxels.iter().map(|own| own.true_normal_force_n).sum();
@@ -186,6 +193,13 @@ impl<'a> Recorder<'a> {
             }
         }
         let mut warnings = other_rate(&reaches).into_iter().collect::<Vec<_>>();
+        let missing = all - self.lines.len();
+        if missing as f64 > MANY_MISSING * all as f64 {
+            warnings.push(format!(
+                "{missing} of {all} frames of the recordings are missing in the log and repeat the one before: check the rate, and \
+                 whether the log is whole"
+            ));
+        }
         let (speed_m_per_s, line) = self.fastest;
         if speed_m_per_s > FASTEST_M_PER_S {
             let speed = short(speed_m_per_s.round());
@@ -250,10 +264,9 @@ fn add_contact(contacts: &mut Vec<Contact>, object: u16, frame: u32, force_n: f6
 fn read_taxels(path: &Path) -> Result<Vec<Taxel>, InputError> {
     let text =
         read_bytes(path, &TEXT_BYTES, "a CSV file with a row for each taxel", "check `skin.taxels` of the mapping")?;
-    let fault = |field: &str, found: String, allowed: &str| {
-        InputError::new(path, field, found, allowed, "correct the file of the taxels")
-    };
-    let unreadable = |error: csv::Error| fault("CSV", error.to_string(), "rows with as many cells as the header");
+    let remedy = "correct the file of the taxels";
+    let fault = |field: &str, found: String, allowed: &str| InputError::new(path, field, found, allowed, remedy);
+    let unreadable = |error: csv::Error| InputError::of_csv(path, "CSV", &text, error, remedy);
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(&text[..]);
     let names = reader.headers().map_err(unreadable)?.clone();
     let mut columns = [0; 7];
@@ -262,8 +275,9 @@ fn read_taxels(path: &Path) -> Result<Vec<Taxel>, InputError> {
         *column = names.iter().position(|own| own == name).ok_or_else(missing)?;
     }
     let mut taxels = Vec::new();
-    for (index, row) in reader.records().enumerate().take(MAX_TAXELS + 1) {
-        let (row, line) = (row.map_err(unreadable)?, index + 2);
+    for row in reader.records().take(MAX_TAXELS + 1) {
+        let row = row.map_err(unreadable)?;
+        let line = row.position().map(|position| line_of_row(&text, position));
         let mut numbers = [0.0; 7];
         for (place, number) in numbers.iter_mut().enumerate() {
             let (cell, most) = (row.get(columns[place]).unwrap_or_default(), LARGEST[place]);

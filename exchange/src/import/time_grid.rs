@@ -18,6 +18,8 @@ const AROUND: f64 = 0.25;
 const AROUND_GIVEN: f64 = 0.01;
 /// Fewer frames tell less about the rate than one that is given.
 const FEW: usize = 50;
+/// More frames of a given rate leave at least so much of a frame without times. Choice: frames of another rate seldom do.
+const CLEAR: f64 = 0.15;
 /// A frame this far from its place, in frames, is not of the rate: a half, and what the rate found may be off.
 const FAR: f64 = 0.6;
 
@@ -60,18 +62,21 @@ fn best_step_s(times_s: &[f64], mut step_s: f64, mut around: f64) -> f64 {
 }
 
 /// How far after the first time frame 0 is, in frames of this step, if all frames jitter by less than half: opposite the widest part
-/// of a frame in which no time is, of those that put no two times into one frame and leave the fewest frames out.
-fn phase(times_s: &[f64], step_s: f64) -> f64 {
+/// of a frame in which no time is, of those that put no two times into one frame and leave the fewest frames out. And how wide that
+/// part is, in frames; 0 if each puts two times into one frame.
+fn phase(times_s: &[f64], step_s: f64) -> (f64, f64) {
     let frames = |time_s: &f64| (time_s - times_s[0]) / step_s;
     let parts = math::sorted(times_s.iter().map(|time_s| frames(time_s).rem_euclid(1.0)).collect());
     let next = parts[1..].iter().copied().chain([parts[0] + 1.0]);
     let mut gaps: Vec<(f64, f64)> = parts.iter().copied().zip(next).collect();
     gaps.sort_by(|a, b| (b.1 - b.0).total_cmp(&(a.1 - a.0)));
-    let phases = gaps.iter().map(|(before, after)| 0.5 * (before + after) + 0.5).map(|own| own - own.round());
+    let phases = gaps.iter().take(FEW).map(|(before, after)| (0.5 * (before + after) + 0.5, after - before));
+    let phases = phases.map(|(own, wide)| (own - own.round(), wide));
     let place = |time_s: &f64, phase: f64| (frames(time_s) - phase).round();
-    let apart = phases.clone().filter(|own| times_s.is_sorted_by(|a, b| place(a, *own) < place(b, *own)));
-    let last = |own: &f64| place(&times_s[times_s.len() - 1], *own) - place(&times_s[0], *own);
-    apart.min_by(|a, b| last(a).total_cmp(&last(b))).or(phases.clone().next()).unwrap_or(0.0)
+    let apart = phases.clone().filter(|(own, _)| times_s.is_sorted_by(|a, b| place(a, *own) < place(b, *own)));
+    let last = |own: f64| place(&times_s[times_s.len() - 1], own) - place(&times_s[0], own);
+    let widest = phases.clone().next().map(|(own, _)| (own, 0.0));
+    apart.min_by(|a, b| last(a.0).total_cmp(&last(b.0))).or(widest).unwrap_or_default()
 }
 
 impl TimeGrid {
@@ -79,33 +84,33 @@ impl TimeGrid {
     /// the nearest place.
     ///
     /// # Errors
-    /// What was found and what is allowed, if frames are missing for long, if more are missing than not, or if one is half a frame
-    /// away from its place.
-    pub(super) fn of(times_s: &[f64], rate_hz: Option<f64>) -> Result<Self, (String, String)> {
+    /// What was found, what is allowed, and the number of the frame, if frames are missing for long, if more are missing than not, or
+    /// if one is half a frame away from its place.
+    pub(super) fn of(times_s: &[f64], rate_hz: Option<f64>) -> Result<Self, (String, String, usize)> {
         let steps_s: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let Some(median_s) = rate_hz.map(|rate_hz| 1.0 / rate_hz).or(median(steps_s.clone())) else {
             return Ok(TimeGrid { rate_hz: 1.0, places: vec![0; times_s.len()] });
         };
         if !RATE_HZ.hold(1.0 / median_s) {
-            return Err((format!("a frame every {} s", short(median_s)), RATE_HZ.to_string()));
+            return Err((format!("a frame every {} s", short(median_s)), RATE_HZ.to_string(), 0));
         }
-        if let Some((own_s, start_s)) =
-            steps_s.iter().zip(times_s).find(|(own_s, _)| **own_s > LONGEST_PAUSE_S.max(1.5 * median_s))
-        {
-            let found = format!("no frame from {} to {} s", short(*start_s), short(start_s + own_s));
-            return Err((found, format!("no pause of more than {LONGEST_PAUSE_S} s")));
+        if let Some(before) = steps_s.iter().position(|own_s| *own_s > LONGEST_PAUSE_S.max(1.5 * median_s)) {
+            let [start, end] = [before, before + 1].map(|frame| short(times_s[frame]));
+            let found = format!("no frame from {start} to {end} s");
+            return Err((found, format!("no pause of more than {LONGEST_PAUSE_S} s"), before + 1));
         }
-        let is_certain = rate_hz.is_some() && times_s.len() < FEW;
+        let given = rate_hz.map(|_| phase(times_s, median_s));
+        let certain = given.filter(|(_, wide)| times_s.len() < FEW || *wide > CLEAR);
         let around = if rate_hz.is_some() { AROUND_GIVEN } else { AROUND };
-        let mut step_s = if is_certain { median_s } else { best_step_s(times_s, median_s, around) };
+        let mut step_s = if certain.is_some() { median_s } else { best_step_s(times_s, median_s, around) };
         // Two frames before the first one leave room for what is moved.
-        let begin = if is_certain { phase(times_s, step_s) } else { fit(times_s, step_s).1 };
+        let begin = certain.map_or_else(|| fit(times_s, step_s).1, |(phase, _)| phase);
         let mut start_s = times_s[0] + (begin - 2.0) * step_s;
         let mut places = vec![0; times_s.len()];
         // Twice, because the line through the places gives a better step.
         for _ in 0..2 {
             places = times_s.iter().map(|time_s| ((time_s - start_s) / step_s).round() as usize).collect();
-            if !is_certain {
+            if certain.is_none() {
                 let points = places.iter().map(|place| *place as f64).zip(times_s.iter().copied());
                 // The time at place 0 and the step.
                 [start_s, step_s] = straight_line(points);
@@ -128,14 +133,14 @@ impl TimeGrid {
         let rate_hz = rate_hz.filter(stays).unwrap_or(1.0 / step_s);
         if missing > times_s.len() {
             let found = format!("{missing} of {all} frames missing at {} Hz", short(rate_hz));
-            return Err((found, "at most as many missing frames as there are".into()));
+            return Err((found, "at most as many missing frames as there are".into(), 0));
         }
         let is_far = |own: &usize| {
             off(places[*own], times_s[*own]).abs() >= FAR || (*own > 0 && places[*own] <= places[own - 1])
         };
-        if let Some(time_s) = (0..places.len()).find(is_far).map(|own| times_s[own]) {
-            let found = format!("a frame at {} s", short(time_s));
-            return Err((found, format!("frames at one rate, here {} Hz, to half a frame", short(rate_hz))));
+        if let Some(frame) = (0..places.len()).find(is_far) {
+            let found = format!("a frame at {} s", short(times_s[frame]));
+            return Err((found, format!("frames at one rate, here {} Hz, to half a frame", short(rate_hz)), frame));
         }
         let first = places[0];
         Ok(TimeGrid { rate_hz, places: places.into_iter().map(|place| place.saturating_sub(first)).collect() })
@@ -186,6 +191,16 @@ mod tests {
             let grid = TimeGrid::of(&times_s, None).unwrap();
             prop_assert_eq!(&grid.places, &places);
             prop_assert!((grid.rate_hz / rate_hz - 1.0).abs() < 1e-3);
+        }
+
+        /// Tests that the frames of a short reach are at their places if the rate is given and times jitter by up to 0.4 frames.
+        #[test]
+        fn a_given_rate_places_frames_that_jitter(jitters in prop::collection::vec(-0.4..0.4_f64, 50..300)) {
+            let time_s = |(frame, jitter): (u32, &f64)| 0.01 * (f64::from(frame) + jitter);
+            let times_s: Vec<f64> = (0..).zip(&jitters).map(time_s).collect();
+            let grid = TimeGrid::of(&times_s, Some(100.0)).unwrap();
+            prop_assert_eq!(&grid.places, &(0..jitters.len()).collect::<Vec<_>>());
+            prop_assert!((grid.rate_hz - 100.0).abs() < 1e-9);
         }
     }
 

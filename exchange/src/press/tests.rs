@@ -88,6 +88,36 @@ fn relaxation_is_that_of_the_hold() {
     }));
     let found = relaxation(&samples).unwrap();
     assert!((found - 0.06).abs() < 1e-3, "{found}");
+    // The first and the last sample of a hold tell no slope.
+    samples.drain(samples.len() - 999..samples.len() - 1);
+    assert_eq!(relaxation(&samples), None);
+}
+
+/// Tests that holds are told from the fast and the slow press before and after them: creep, 6 % of the force per decade of time, does
+/// not change the law.
+#[test]
+fn holds_between_presses_do_not_change_the_law() {
+    let punch = Punch::Flat(4e-4);
+    let (mut samples, mut late_s) = (Vec::new(), 0.0);
+    for pair in press(punch, 0.0, 0).windows(2) {
+        let turn = PressSample { time_s: pair[0].time_s + late_s, ..pair[0] };
+        samples.push(turn);
+        if turn.depth_m > 0.001 && turn.depth_m == pair[1].depth_m {
+            samples.extend((1..2500).map(|at| {
+                let held_s = 0.002 * f64::from(at);
+                let force_n = turn.force_n * (1.0 - 0.06 * (1.0 + held_s / 0.1).log10());
+                PressSample { time_s: turn.time_s + held_s, force_n, ..turn }
+            }));
+            late_s += 5.0;
+        }
+    }
+    assert_eq!(holds(&samples).len(), 2);
+    let fit = fit_press(&samples, punch).unwrap();
+    for (found, expected) in
+        [(fit.modulus_n_per_m3, MODULUS), (fit.hardening_per_m, HARDENING), (fit.loss_time_s.unwrap(), LOSS_S)]
+    {
+        assert!((found.value / expected - 1.0).abs() < 0.03, "{found:?}, {expected}");
+    }
 }
 
 /// Tests that a press at one speed says nothing about the loss, and gives back stiffness and hardening.

@@ -68,9 +68,6 @@ pub struct TestSet {
 }
 
 impl Entry {
-    /// Names of the tracks.
-    pub const TRACKS: [&str; 3] = ["verdicts", "transfer", "reaching"];
-
     /// What is judged in this track.
     ///
     /// # Errors
@@ -84,7 +81,7 @@ impl Entry {
                 let [model, controller] =
                     [model.is_some(), controller.is_some()].map(|given| if given { "a" } else { "no" });
                 let found = format!("{track:?} with {model} model and {controller} controller");
-                let allowed = format!("one of {}", Entry::TRACKS.join(", "));
+                let allowed = "verdicts or transfer with a model, reaching with a controller";
                 let remedy = "give a model for verdicts and transfer, a controller for reaching";
                 Err(InputError::new("argument", "track", found, allowed, remedy).into())
             }

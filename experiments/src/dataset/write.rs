@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use rayon::prelude::*;
 use underbrush_recording::Fault;
-use underbrush_recording::disk::{Dataset, DatasetWriter, DiskError, Shard};
+use underbrush_recording::disk::{Dataset, DatasetWriter, DiskError, Shard, make_room};
 use underbrush_sim::campaign::Job;
 use underbrush_sim::reach::ReachPlan;
 
@@ -37,10 +37,18 @@ impl Campaign {
     /// Runs the campaign and writes it to the folder `out`; with `resume`, runs only the reaches that are missing
     /// there.
     pub fn write(&self, out: &Path, resume: bool, progress: &dyn Progress) -> Result<Written, Fault> {
+        self.overwrite(out, resume, false, progress)
+    }
+
+    /// As [`Campaign::write`]. With `force`, the set that is there is removed before anything is written, but not before the
+    /// campaign has been found possible.
+    pub fn overwrite(&self, out: &Path, resume: bool, force: bool, progress: &dyn Progress) -> Result<Written, Fault> {
         let plans = self.plans()?;
         let jobs = self.jobs();
+        let plan = self.plan(&plans, &jobs)?;
         prepare(&plans, &jobs, progress)?;
-        let writer = match DatasetWriter::create(out, self.plan(&plans, &jobs)?, resume) {
+        make_room(out, force)?;
+        let writer = match DatasetWriter::create(out, plan, resume) {
             // With `resume`, this means that the set has the same plan.
             Err(DiskError::Finished { .. }) if resume => return Ok(Written::Before(Dataset::open(out)?)),
             writer => writer?,

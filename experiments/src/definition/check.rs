@@ -3,11 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use underbrush_classifier::recipe::STATES;
-use underbrush_recording::{Category, InputError, short};
+use underbrush_classifier::{ModelError, Recipe, is_trained};
+use underbrush_recording::{Category, InputError};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::scene::{RobotSection, Scene, limits};
 
-use super::file::{ClassifierEntry, ExperimentFile, ThresholdSection};
+use super::file::{ClassifierEntry, ExperimentFile, Published, Setting, ThresholdSection};
 use crate::files::Source;
 
 /// Checks the rules that the types of the keys do not express.
@@ -22,9 +23,13 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
     let found = labels.first().copied().unwrap_or("no training scenes");
     source.check(labels.len() >= 2, "training.label", found, "training scenes with at least two different labels")?;
     for training in &file.training {
-        let is_name = !["", "uncertain", "outlier"].contains(&training.label.as_str());
-        let allowed = "any text but `uncertain` and `outlier`, which are verdicts";
-        source.check(is_name, "training.label", &training.label, allowed)?;
+        let label = training.label.as_str();
+        let is_reserved = ["", Category::UNCERTAIN].contains(&label) || !is_trained(label);
+        let other =
+            "a name other than `uncertain` and `outlier`, which are verdicts, and `block`, on which nothing is trained";
+        if let Some(allowed) = is_reserved.then_some(other).or_else(|| Category::name_fault(label)) {
+            return Err(source.fault("training.label", label, allowed));
+        }
         let why = ": cross-validation needs a reach in each of two folds";
         reaches("training.reaches", Some(training.reaches), 2, why)?;
         reaches("training.quick_reaches", training.quick_reaches, 2, why)?;
@@ -34,6 +39,22 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
         reaches("verdicts.reaches", Some(own.reaches), 1, "")?;
         reaches("verdicts.quick_reaches", own.quick_reaches, 1, "")?;
     }
+    let tests = [("general", &file.general), ("outlier", &file.outlier), ("second_outlier", &file.second_outlier)];
+    for (section, own) in tests.into_iter().filter_map(|(section, own)| Some((section, own.as_ref()?))) {
+        let (first, why) = (own.reaches as u64, ": as many draws as `reaches` or more (8 if not given)");
+        reaches(&format!("{section}.reaches"), Some(first), 1, "")?;
+        reaches(&format!("{section}.quick_reaches"), own.quick_reaches.map(|count| count as u64), 1, "")?;
+        reaches(&format!("{section}.max_draws"), Some(own.max_draws), first, why)?;
+    }
+    for own in &file.engineered {
+        reaches("engineered.max_draws", Some(own.max_draws), 1, "")?;
+    }
+    if let Some(own) = file.chosen_on.iter().find(|own| own.first > own.last) {
+        return Err(source.fault("chosen_on.first", &own.first.to_string(), format!("at most `last`, {}", own.last)));
+    }
+    if let Some(published) = &file.published {
+        check_published(published, source)?;
+    }
     reaches("controllers.reaches", file.controllers.as_ref().map(|own| own.reaches), 1, "")?;
     source.check(!file.truncations.contains(&0), "truncations", "0", "numbers from 1")?;
     check_limits(file, source)?;
@@ -42,13 +63,35 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
     check_names(file, source)?;
     let (threshold_n, min_samples) = (file.trials.threshold_n, file.trials.min_samples);
     let (is_force, allowed) = (threshold_n > 0.0 && threshold_n < 100.0, "a force over 0 and under 100 N");
-    source.check(is_force, "trials.threshold_n", &threshold_n.to_string(), allowed)?;
+    source.check_number(is_force, "trials.threshold_n", threshold_n, allowed)?;
     let is_enough = min_samples >= file.states.iter().copied().max().unwrap_or(1);
     let allowed = "at least the largest of `states`: a model's start takes a sample for each state";
     source.check(is_enough, "trials.min_samples", &min_samples.to_string(), allowed)?;
     let mut tested = file.engineered.iter().map(|own| own.label.as_str());
     let unknown = tested.find(|label| !labels.contains(label));
     source.check(unknown.is_none(), "engineered.label", unknown.unwrap_or_default(), "a label of the training scenes")
+}
+
+/// The names of all experiments, as an array.
+macro_rules! names {
+    ($($name:ident: $result:ident,)*) => { [$(stringify!($name)),*] };
+}
+
+/// Checks the published numbers with which others are divided, and the names of sections.
+fn check_published(published: &Published, source: &Source) -> Result<(), InputError> {
+    for own in &published.trials {
+        for (name, value) in [("published.trials.trials", own.trials), ("published.trials.reaches", own.reaches)] {
+            source.check_number(value > 0.0 && value.is_finite(), name, value, "a finite number over 0")?;
+        }
+    }
+    let names = crate::for_each_experiment!(names);
+    match published.sections.keys().find(|name| !names.contains(&name.as_str())) {
+        Some(name) => {
+            let field = source.field(&format!("published.sections.{name}"), "");
+            Err(field.fault(name, format!("the name of a section: {}", names.join(", "))))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Checks that nothing that names a row or a column of a table is in the file twice.
@@ -135,11 +178,11 @@ fn check_limits(file: &ExperimentFile, source: &Source) -> Result<(), InputError
         ("thresholds.false_positive_rate", rate, rate > 0.0 && rate < 1.0, "a share over 0 and under 1"),
         ("thresholds.outlier_prior", prior, (0.0..0.5).contains(&prior), "a share from 0 and under 0.5"),
     ] {
-        if !holds {
-            return Err(source.number(name, value).fault(short(value), allowed));
-        }
+        source.check_number(holds, name, value, allowed)?;
     }
     for setting in &file.settings {
+        let allowed = "another name: this is that of the scenes' own setting";
+        source.check(setting.name != Setting::NOMINAL, "settings.name", &setting.name, allowed)?;
         // The arm of a setting replaces a scene file's `[robot]`. All its keys are named here, so that no later one can
         // be forgotten.
         let RobotSection { stiffness_scale, hand_speed_scale, force_limit_scale } = setting.robot;
@@ -148,16 +191,19 @@ fn check_limits(file: &ExperimentFile, source: &Source) -> Result<(), InputError
             ("settings.robot.hand_speed_scale", hand_speed_scale, limits::HAND_SPEED_SCALE),
             ("settings.robot.force_limit_scale", force_limit_scale, limits::FORCE_LIMIT_SCALE),
         ] {
-            if !range.hold(value) {
-                return Err(source.number(name, value).fault(short(value), range.to_string()));
-            }
+            source.check_number(range.hold(value), name, value, &range.to_string())?;
         }
     }
-    let classifiers = file.classifiers.iter().map(|entry| ("classifiers.states", entry));
-    let of_settings = file.setting_classifiers.iter().map(|entry| ("setting_classifiers.states", entry));
-    for (name, entry) in classifiers.chain(of_settings) {
-        if let Some(states) = entry.states.filter(|states| !STATES.hold(*states as f64) || !entry.is_hmm()) {
-            return fault(name, states, format!("a number from {STATES}, for hmm alone"));
+    for (table, entries) in [("classifiers", &file.classifiers), ("setting_classifiers", &file.setting_classifiers)] {
+        for (place, entry) in entries.iter().enumerate() {
+            if let Some(states) = entry.states.filter(|states| !STATES.hold(*states as f64) || !entry.is_hmm()) {
+                return fault(&format!("{table}.states"), states, format!("a number from {STATES}, for hmm alone"));
+            }
+            // Options are checked before trials, so none are needed here.
+            if let Err(ModelError::BadOption(fault)) = entry.estimator(&Recipe::authors()).fit(&[]) {
+                let field = source.field(&format!("{table}[{place}].{}", fault.field), "");
+                return Err(field.fault(fault.found, fault.allowed));
+            }
         }
     }
     if let (Some(setting), true) = (file.settings.first(), file.setting_classifiers.is_empty()) {

@@ -254,10 +254,17 @@ fn classifier<'de, D: Deserializer<'de>>(deserializer: D) -> Result<&'static Cla
     })
 }
 
-/// Reads a list of features.
+/// Reads a list of features that simulated trials have.
 fn features<'de, D: Deserializer<'de>>(deserializer: D) -> Result<FeatureSet, D::Error> {
     let names = Vec::<String>::deserialize(deserializer)?;
-    FeatureSet::from_names(&names).map_err(D::Error::custom)
+    let features = FeatureSet::from_names(&names).map_err(D::Error::custom)?;
+    match features.channels().next() {
+        Some(channel) => Err(D::Error::custom(format!(
+            "the feature {} is of tables; simulated trials have no such column",
+            channel.name
+        ))),
+        None => Ok(features),
+    }
 }
 
 /// Reads a list of features that may be left out.
@@ -296,6 +303,11 @@ pub struct Setting {
     pub name: String,
     /// What replaces the `[robot]` section of the training scenes.
     pub robot: RobotSection,
+}
+
+impl Setting {
+    /// Name of the setting with the scenes' own arm and speed.
+    pub const NOMINAL: &str = "nominal";
 }
 
 /// A change to the training reaches, or to how trials are cut from them.

@@ -112,6 +112,7 @@ fn measure(session: &Session, seed: u64) -> Result<OneOfMany, Fault> {
     let reaches = training::reaches(experiment);
     let campaign = training::campaign(experiment, seed, &reaches, |_| {})?;
     let trials = Trials::of_campaign(experiment, &campaign, session.progress)?;
+    trials.check_labels(experiment)?;
     let cells = table_one::evaluate(experiment, &trials, &experiment.file.recipes)?;
     Ok(OneOfMany {
         trials_per_reach: training_data::per_reach(experiment, &trials),

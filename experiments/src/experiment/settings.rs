@@ -12,6 +12,7 @@ use underbrush_recording::{Fault, Recording, Trial};
 use underbrush_sim::campaign::Job;
 
 use crate::dataset::jobs_of;
+use crate::definition::Setting;
 use crate::training::{self, Trials};
 use crate::{Accuracy, Experiment, Session, in_parallel};
 
@@ -55,9 +56,6 @@ pub struct VerdictTransfer {
     /// Number of contacts.
     pub contacts: usize,
 }
-
-/// Name of the setting with the scenes' own arm and speed.
-pub const NOMINAL: &str = "nominal";
 
 /// Taxel trials of one setting, in two folds of whole reaches.
 pub struct Folded {
@@ -109,7 +107,7 @@ pub fn run(session: &Session) -> Result<ComparedSettings, Fault> {
                 }
             }
             let mut verdict_transfer = Vec::new();
-            let mut settings = vec![Folded::new(NOMINAL, &data.trials.taxel, &reaches, &counts)];
+            let mut settings = vec![Folded::new(Setting::NOMINAL, &data.trials.taxel, &reaches, &counts)];
             for setting in &experiment.file.settings {
                 let campaign =
                     training::campaign(experiment, session.seed, &counts, |scene| scene.robot = setting.robot)?;

@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
+use underbrush_classifier::any_model::OnlineModel;
 use underbrush_recording::{Category, InputError, PLAIN, is_plain};
 use underbrush_sim::scene::Scene;
 
 use super::SceneBound;
-use super::file::{Bound, Bounds, Entry, SuiteFile};
+use super::file::{BlessSection, Bound, Bounds, Entry, SuiteFile};
 use super::metric::{METRICS, Metric};
 use crate::files::Source;
 
@@ -26,20 +27,19 @@ pub fn numbers(file: &SuiteFile, source: &Source) -> Result<(), InputError> {
         let holds = (2..=MAX_REACHES).contains(&scene.reaches);
         source.check(holds, "scenes.reaches", &scene.reaches.to_string(), &allowed)?;
     }
-    let bless = file.bless;
-    if !(1e-9..=0.5).contains(&bless.false_alarm) {
-        let found = bless.false_alarm.to_string();
-        return Err(source.field("bless.false_alarm", "").fault(found, "a probability from 1e-9 to 0.5"));
-    }
-    if !(1.0..=1000.0).contains(&bless.largest_factor) {
-        let found = bless.largest_factor.to_string();
-        return Err(source.field("bless.largest_factor", "").fault(found, "a factor from 1 to 1000"));
-    }
-    Ok(())
+    let BlessSection { false_alarm, largest_factor } = file.bless;
+    let (alarm_holds, factor_holds) = ((1e-9..=0.5).contains(&false_alarm), (1.0..=1000.0).contains(&largest_factor));
+    source.check_number(alarm_holds, "bless.false_alarm", false_alarm, "a probability from 1e-9 to 0.5")?;
+    source.check_number(factor_holds, "bless.largest_factor", largest_factor, "a factor from 1 to 1000")
 }
 
 /// The bounds of a scene, in the order of the file.
-pub fn bounds(bounds: &Bounds, scene: &Scene, has_model: bool, source: &Source) -> Result<Vec<SceneBound>, InputError> {
+pub fn bounds(
+    bounds: &Bounds,
+    scene: &Scene,
+    model: Option<&OnlineModel>,
+    source: &Source,
+) -> Result<Vec<SceneBound>, InputError> {
     let mut found = Vec::new();
     for (name, entry) in &bounds.0 {
         // A table of categories begins at its first category.
@@ -52,9 +52,13 @@ pub fn bounds(bounds: &Bounds, scene: &Scene, has_model: bool, source: &Source) 
             let names = METRICS.map(|metric| metric.name).join(", ");
             return Err(field.fault(name, format!("one of {names}")));
         };
-        if metric.needs_model && !has_model {
+        if metric.needs_model && model.is_none() {
             let allowed = "a bound on verdicts only in a suite with a [model] file";
             return Err(field.fault("a suite without a model", allowed));
+        }
+        if metric.needs_touch_model && matches!(model, Some(OnlineModel::OfTrials(..))) {
+            let allowed = "a bound on this verdict only with a touch model, which alone gives it";
+            return Err(field.fault("a suite with a classifier of trials", allowed));
         }
         match entry.get_ref() {
             Entry::Bound(bound) if !metric.by_category => {
@@ -95,8 +99,10 @@ fn checked(
     let own = SceneBound { metric, category, bound, span };
     let numbers = [bound.at_least, bound.at_most, bound.blessed];
     let field = source.field_at(&format!("bounds.{}", own.name()), own.span.start);
-    if let Some(number) = numbers.into_iter().flatten().find(|number| !number.is_finite()) {
-        return Err(field.fault(number.to_string(), "finite numbers"));
+    let end = metric.statistic.end();
+    if let Some(number) = numbers.into_iter().flatten().find(|number| !number.is_finite() || *number > end) {
+        let allowed = if end < f64::INFINITY { "finite numbers up to 1, for a share" } else { "finite numbers" };
+        return Err(field.fault(number.to_string(), allowed));
     }
     if let (Some(low), Some(high)) = (bound.at_least, bound.at_most)
         && low > high

@@ -195,7 +195,7 @@ fn new_bound(suite: &Suite, own: &SceneBound, result: &BoundResult, probability:
         Statistic::Mean | Statistic::Share => margin(&values, probability)?,
         Statistic::Largest => (suite.file.bless.largest_factor - 1.0) * found.abs(),
     };
-    let end = if own.metric.statistic == Statistic::Share { 1.0 } else { f64::INFINITY };
+    let end = own.metric.statistic.end();
     // A limit does not depend on what was found. If the file has another limit, somebody chose it on purpose.
     let limit = own.metric.limit.map(|limit| own.bound.at_most.unwrap_or(limit));
     let high = limit.unwrap_or((found + margin).min(end));

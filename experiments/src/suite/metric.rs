@@ -20,6 +20,13 @@ pub enum Statistic {
     Largest,
 }
 
+impl Statistic {
+    /// The largest value that a metric can have. None is negative.
+    pub fn end(self) -> f64 {
+        if self == Statistic::Share { 1.0 } else { f64::INFINITY }
+    }
+}
+
 /// On which sides `--bless` bounds a metric for which the file has no bound yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sides {
@@ -54,6 +61,8 @@ pub struct Metric {
     pub by_category: bool,
     /// Whether it needs the verdicts of a model.
     pub needs_model: bool,
+    /// Whether that must be a touch model.
+    pub needs_touch_model: bool,
     /// How the values of all reaches become one number.
     pub statistic: Statistic,
     /// Whether its values are counted, so that few reaches may agree by chance.
@@ -71,6 +80,7 @@ const PLAIN: Metric = Metric {
     summary: "",
     by_category: false,
     needs_model: false,
+    needs_touch_model: false,
     statistic: Statistic::Mean,
     counts: false,
     sides: Sides::Both,
@@ -80,6 +90,7 @@ const PLAIN: Metric = Metric {
 const FORCE: Metric = Metric { by_category: true, ..PLAIN };
 const VERDICT: Metric =
     Metric { by_category: true, needs_model: true, statistic: Statistic::Share, sides: Sides::AtMost, ..PLAIN };
+const TOUCH: Metric = Metric { needs_touch_model: true, ..VERDICT };
 
 /// All metrics, in the order of the documentation.
 ///
@@ -183,13 +194,13 @@ pub const METRICS: [Metric; 18] = [
         name: "objects_called_unknown",
         summary: "Share of such objects whose last verdict is unknown, by a touch model; contacts of one place are one object",
         of_reach: objects_called_unknown,
-        ..VERDICT
+        ..TOUCH
     },
     Metric {
         name: "called_nothing",
         summary: "Share of those taxels that are called nothing, which only a touch model does",
         of_reach: |reach, category| share_called(reach, category?, NOTHING),
-        ..VERDICT
+        ..TOUCH
     },
     Metric {
         name: "spurious_called_nothing",
@@ -197,7 +208,7 @@ pub const METRICS: [Metric; 18] = [
         by_category: false,
         sides: Sides::AtLeast,
         of_reach: |reach, _| share_of_row(reach.stream?, reach.stream?.truths.len(), NOTHING),
-        ..VERDICT
+        ..TOUCH
     },
     Metric {
         name: "samples_to_right",

@@ -141,7 +141,7 @@ fn scene(
             source.field("model.file", file).fault(error.to_string(), allowed)
         })?;
     }
-    let bounds = check::bounds(&entry.bounds, &plan.scene, model.is_some(), source)?;
+    let bounds = check::bounds(&entry.bounds, &plan.scene, model, source)?;
     if bounds.is_empty() {
         let allowed = "at least one bound under [scenes.bounds]; `{}` in place of a bound lets --bless choose it";
         return Err(source.field("scenes.scene", &entry.scene).fault("no bounds", allowed));

@@ -104,9 +104,8 @@ pub struct ReachValue {
 impl BoundResult {
     /// Whether the bounds allow every value that the metric can have, as after blessing reaches that differ too much.
     pub fn allows_everything(&self) -> bool {
-        let end = if self.statistic == Statistic::Share { 1.0 } else { f64::INFINITY };
         let is_bounded = self.at_least.is_some() || self.at_most.is_some();
-        // No metric is negative.
+        let end = self.statistic.end();
         is_bounded && self.at_least.is_none_or(|low| low <= 0.0) && self.at_most.is_none_or(|high| high >= end)
     }
 }

@@ -75,6 +75,13 @@ fn orderings_are_found_as_they_are() {
     assert_eq!(counts(1.0, 20), [(true, 4, 4), (true, 4, 4), (true, 4, 4)]);
 }
 
+/// Tests that a statement without any pair of cells is left out: one cell contradicts none and supports none.
+#[test]
+fn statements_without_pairs_are_left_out() {
+    let found = orderings(&with_orderings(&ORDERINGS), &[cell(10, 80.0)], |own| own.accuracy);
+    assert!(found.is_empty(), "{found:?}");
+}
+
 /// Tests that the statement on the number of states names the numbers that the experiment has.
 #[test]
 fn the_statement_on_states_names_them() {

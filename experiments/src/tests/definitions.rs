@@ -100,6 +100,8 @@ fn faults_name_line_and_field() {
         ("states = [5]", "states = [0]", 2, "states", "from 1"),
         ("label = \"trunk\"", "label = \"leaf\"", 6, "training.label", "two different labels"),
         ("label = \"trunk\"", "label = \"outlier\"", 11, "training.label", "verdicts"),
+        ("label = \"trunk\"", "label = \"block\"", 11, "training.label", "nothing is trained"),
+        ("label = \"trunk\"", "label = \"a\\nb\"", 0, "training.label", "control characters"),
         ("label = \"trunk\"\nreaches = 4", "label = \"trunk\"\nreaches = 1", 12, "training.reaches", "two folds"),
         ("states = [5]", "states = [30]", 0, "trials.min_samples", "largest of `states`"),
         (
@@ -120,6 +122,8 @@ fn faults_name_line_and_field() {
     let bad_classifier = format!("{SMALL}\n[[classifiers]]\nname = \"x\"\nmethod = \"hmm\"\nfeatures = [\"region\"]\n");
     let error = error(&bad_classifier);
     assert!(error.field.contains("features") && error.to_string().contains("force"), "{error}");
+    let error = self::error(&bad_classifier.replace("region", "column:speed"));
+    assert!(error.field.contains("features") && error.to_string().contains("column:speed is of tables"), "{error}");
 }
 
 /// Tests that numbers outside their ranges and a patch that no arm has are refused when the file is read, with the
@@ -151,6 +155,51 @@ fn numbers_and_patch_are_checked_when_the_file_is_read() {
             "classifiers.states",
             "1001",
             "from 1 to 1000",
+        ),
+        (
+            "[[setting_classifiers]]\nname = \"peak\"\nmethod = \"peak-force\"\nfeatures = [\"motion\"]",
+            16,
+            "setting_classifiers[0].features",
+            "motion",
+            "such as force",
+        ),
+        ("[[settings]]\nname = \"nominal\"\nrobot = {}", 14, "settings.name", "nominal", "scenes' own setting"),
+        ("[general]\nscene = \"one.toml\"\nreaches = 0", 15, "general.reaches", "0", "1 to 1000000"),
+        (
+            "[outlier]\nscene = \"one.toml\"\nreaches = 1\nquick_reaches = 0",
+            16,
+            "outlier.quick_reaches",
+            "0",
+            "1 to 1000000",
+        ),
+        (
+            "[second_outlier]\nscene = \"one.toml\"\nreaches = 5\nmax_draws = 4",
+            16,
+            "second_outlier.max_draws",
+            "4",
+            "5 to 1000000: as many draws",
+        ),
+        (
+            "[[engineered]]\nscene = \"one.toml\"\nlabel = \"leaf\"\nmax_draws = 0",
+            16,
+            "engineered.max_draws",
+            "0",
+            "1 to 1000000",
+        ),
+        ("[[chosen_on]]\nfirst = 5\nlast = 1\nwhat = \"all\"", 14, "chosen_on.first", "5", "at most `last`, 1"),
+        (
+            "[[published.trials]]\nby = \"taxel\"\nlabel = \"leaf\"\ntrials = 9\nreaches = 0",
+            17,
+            "published.trials.reaches",
+            "0",
+            "a finite number over 0",
+        ),
+        (
+            "[published.sections.tabel_one]\nstatement = \"Taxels are told apart.\"",
+            13,
+            "published.sections.tabel_one",
+            "tabel_one",
+            "training_data, table_one,",
         ),
         ("[trials]\npatch = \"nosuch\"", 14, "trials.patch", "nosuch", "forearm, flipper"),
         ("[controllers]\nscene = \"one.toml\"\nreaches = 0", 15, "controllers.reaches", "0", "1 to 1000000"),

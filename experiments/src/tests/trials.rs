@@ -43,3 +43,20 @@ fn longer_trials_are_numbered_anew() {
     assert_eq!(found, [(0, Some(1), 3), (1, Some(2), 2), (2, Some(3), 3)]);
     assert!(lasting.iter().all(|own| own.category.as_deref() == Some("bamboo")));
 }
+
+/// Tests that a label without taxel trials, or without component trials where others have some, is an error that names it.
+#[test]
+fn every_label_needs_trials() {
+    let experiment = Experiment::paper().unwrap();
+    let [leaf, trunk] = ["leaf", "trunk"].map(|category| trial(category, &[true]));
+    let check = |component: &[&Trial], taxel: &[&Trial]| {
+        let [component, taxel] = [component, taxel].map(|own| own.iter().map(|own| (*own).clone()).collect::<Vec<_>>());
+        Trials { component, taxel }.check_labels(&experiment)
+    };
+    check(&[], &[&leaf, &trunk]).unwrap();
+    check(&[&trunk, &leaf], &[&leaf, &trunk]).unwrap();
+    for found in [check(&[], &[&leaf]), check(&[&leaf], &[&leaf, &trunk])] {
+        let error = found.unwrap_err().to_string();
+        assert!(error.contains("no trial of trunk") && error.contains("has 20 samples"), "{error}");
+    }
+}

@@ -14,7 +14,7 @@ pub enum DiskError {
     #[error(transparent)]
     Input(InputError),
     /// The operating system failed to read or write.
-    #[error("{}: cannot {action}: {source}; check the path, its permissions and the free space", .path.display())]
+    #[error("{}: cannot {action}: {source}; {}", .path.display(), REMEDY)]
     Io {
         /// The file or folder.
         path: PathBuf,
@@ -24,7 +24,7 @@ pub enum DiskError {
         source: io::Error,
     },
     /// Parquet could not be encoded or written.
-    #[error("{}: cannot write Parquet: {source}; check the permissions and the free space", .path.display())]
+    #[error("{}: cannot write Parquet: {source}; {}", .path.display(), REMEDY)]
     Encode {
         /// The file.
         path: PathBuf,
@@ -50,12 +50,14 @@ pub enum DiskError {
     #[error("{}: holds a finished data set; choose another folder, or overwrite it with --force", .0.display())]
     Finished(PathBuf),
     /// The folder holds an interrupted data set.
-    #[error("{}: holds an unfinished data set; run with --resume to finish it, or with --force to start again", .0.display())]
+    #[error(
+        "{}: holds an unfinished data set; run what began it again, with --resume to finish it, or with --force to start again", .0.display()
+    )]
     Unfinished(PathBuf),
     /// The unfinished data set in the folder was started with another plan.
     #[error(
         "{}: was started with another plan: {field} was {stored}, now {given}; resume with the same scenes, arms, \
-         seed and options, or choose another folder", .dir.display()
+         seed, options and version, or choose another folder", .dir.display()
     )]
     PlanDiffers {
         /// The folder.
@@ -105,14 +107,21 @@ impl From<InputError> for DiskError {
     }
 }
 
+/// The remedy for a failure of the disk.
+const REMEDY: &str = "check the path, its permissions and the free space";
+
+fn storage(file: PathBuf, action: &'static str, cause: &dyn std::error::Error) -> Fault {
+    Fault::Storage { file, action, cause: cause.to_string(), remedy: REMEDY.into() }
+}
+
 /// Most of these errors mean a bad folder or file.
 impl From<DiskError> for Fault {
     fn from(error: DiskError) -> Self {
         match error {
             DiskError::Input(input) => input.into(),
-            // A Parquet file that cannot be written is among these, because the cause is almost always a disk that is full
-            // or fails, although the error does not always say so.
-            DiskError::Io { .. } | DiskError::Encode { .. } => Fault::Storage(error.to_string()),
+            DiskError::Io { path, action, source } => storage(path, action, &source),
+            // The cause is almost always a disk that is full or fails, although the error does not always say so.
+            DiskError::Encode { path, source } => storage(path, "write Parquet", &source),
             // The run failed.
             DiskError::Unwritable { .. } => Fault::Run(error.to_string()),
             other => Fault::Usage(other.to_string()),

@@ -31,11 +31,11 @@ pub use dataset::{
 pub use error::DiskError;
 pub use files::{check_free, check_not_input, is_folder, is_there, write_file};
 pub use recording_file::{
-    is_recording, read_recording, recording_columns, recording_table, recordings_in, write_recording,
+    is_recording, read_recording, recording_columns, recording_table, recordings_in, with_recordings, write_recording,
 };
 pub use table::batch::Batch;
 pub use table::column::{Column, Rows, Text, Values};
 pub use tables::dictionary::is_of_joints_or_taxels;
 pub use tables::episode::Episode;
-pub use trials::{COLUMNS as TRIAL_COLUMNS, channel_names, read_trials, trial_table, write_trials};
+pub use trials::{COLUMNS as TRIAL_COLUMNS, channel_names, read_trials, trial_table, whole_number, write_trials};
 pub use unfinished::{UnfinishedFolder, abandon_unfinished_files};

@@ -93,30 +93,52 @@ pub fn write_recording(path: &Path, recording: &Recording) -> Result<(), DiskErr
 /// # Errors
 /// [`DiskError::Io`] if the disk fails.
 pub fn is_recording(path: &Path) -> Result<bool, DiskError> {
-    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("parquet")) {
-        return Ok(false);
-    }
-    match ParquetTable::open(path) {
-        Ok(table) => Ok(table.key_value(FORMAT_KEY).is_ok()),
+    match is_sound_recording(path) {
         Err(DiskError::Input(_)) => Ok(false),
-        Err(error) => Err(error),
+        found => found,
     }
 }
 
-/// The recordings in a folder that is no data set, by name; none for any other path.
+/// As [`is_recording`], but an error for a damaged file.
+fn is_sound_recording(path: &Path) -> Result<bool, DiskError> {
+    let is_parquet = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
+    Ok(is_parquet && ParquetTable::open(path)?.key_value(FORMAT_KEY).is_ok())
+}
+
+/// The same paths, but in place of a folder of recordings that is no data set, the recordings in it, by name.
 ///
 /// # Errors
+/// As [`recordings_in`].
+pub fn with_recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>, DiskError> {
+    let mut all = Vec::new();
+    for path in paths {
+        let inside = recordings_in(path)?;
+        all.extend(if inside.is_empty() { vec![path.clone()] } else { inside });
+    }
+    Ok(all)
+}
+
+/// The recordings in a folder that is no data set, by name; none for any other path. Other tables and folders in it are left out.
+///
+/// # Errors
+/// [`DiskError::Input`] if there are none in the folder, and for a damaged Parquet file, which may be one of them;
 /// [`DiskError::Io`] if the disk fails.
 pub fn recordings_in(folder: &Path) -> Result<Vec<PathBuf>, DiskError> {
-    if !is_folder(folder)? || is_there(&folder.join("meta"))? {
+    // A data set that is not finished has a folder of another name.
+    if !is_folder(folder)? || is_there(&folder.join("meta"))? || is_there(&folder.join("incomplete"))? {
         return Ok(Vec::new());
     }
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).map_err(DiskError::io(folder, "read"))? {
         let path = entry.map_err(DiskError::io(folder, "read"))?.path();
-        if is_recording(&path)? {
+        if !is_folder(&path)? && is_sound_recording(&path)? {
             found.push(path);
         }
+    }
+    if found.is_empty() {
+        let allowed = "the folder of a finished data set, or a folder with recordings (.parquet) directly in it";
+        let remedy = "check the path, or generate the data set";
+        return Err(InputError::new(folder, "folder", "no meta/info.json and no recordings", allowed, remedy).into());
     }
     found.sort();
     Ok(found)

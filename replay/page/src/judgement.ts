@@ -5,11 +5,11 @@ import type { VerdictHeader } from "./reach.ts";
 /** How a trial, or a reading in a frame, was judged. */
 export type Judgement = "right" | "wrong" | "uncertain" | "spurious" | "unjudged";
 
-/** The verdict that is right where this is the truth. */
+/** The verdict that is right where this is the truth. A classifier of trials has none for a foam block, as in `evaluate`. */
 function rightVerdict(truth: string, { categories, touch }: VerdictHeader): string {
-  if (touch === null) return truth;
   if (truth === "spurious") return "nothing";
-  return categories.includes(truth) ? truth : "unknown";
+  if (categories.includes(truth)) return truth;
+  return touch !== null ? "unknown" : truth === "block" ? truth : "outlier";
 }
 
 /** Judges a verdict. Classifiers of trials have no verdict that is right for a spurious reading, so they are not blamed for any. */

@@ -125,10 +125,6 @@ class Plot {
       say(this.#entries[index]!, `${curve.name} ${value == null || Number.isNaN(value) ? "–" : value.toFixed(2)}`);
     });
   }
-
-  hide(hidden: boolean): void {
-    this.box.hidden = hidden;
-  }
 }
 
 function rangeOf(data: PlotData, low: number, high: number): uPlot.Range.MinMax {
@@ -167,7 +163,7 @@ export class Plots {
     const width = this.box.clientWidth;
     this.#plots.forEach((plot, index) => {
       const data = all[index];
-      plot.hide(data === undefined);
+      plot.box.hidden = data === undefined;
       if (data !== undefined && width > 0) plot.draw(data, palette, width, index + 1 === all.length);
     });
   }

@@ -48,7 +48,9 @@ export class SkinMap {
     [this.#cells, this.#width, this.#height] = [plan.cells, plan.width, plan.height];
     // Of a log, nobody knows where the tip is.
     this.#upwards = plan.upwards && !reach.isLog;
-    const size = reach.isTable ? "taxels in the order of their numbers" : grid === null ? `${plural(taxels, "taxel")}${plan.twoSides ? ", seen on both sides" : ""}` : `${grid.rows} rows along × ${grid.columns} columns around`;
+    // Only a sleeve that is closed surely has a link within it.
+    const [along, around] = grid?.wraps === true ? [" along", " around"] : ["", ""];
+    const size = reach.isTable ? "taxels in the order of their numbers" : grid === null ? `${plural(taxels, "taxel")}${plan.twoSides ? ", seen on both sides" : ""}` : `${plural(grid.rows, "row")}${along} × ${plural(grid.columns, "column")}${around}`;
     this.#canvas = element("canvas", {
       tabindex: 0,
       role: "application",

@@ -110,7 +110,9 @@ export class Strips {
     });
     const where = reach.judgedAlone ?? "all patches";
     const seen = new Set(common.flatMap(({ columns }) => [...columns.keys()]));
-    const names = [...seen].sort(byName).map((name) => EXPLAINED[name] ?? name);
+    // Of a log, nobody knows what its labels leave out.
+    const explained: Record<string, string> = reach.isLog ? { ...EXPLAINED, spurious: "spurious (hatched; labelled nothing, or not at all)" } : EXPLAINED;
+    const names = [...seen].sort(byName).map((name) => explained[name] ?? name);
     const nothing = reach.taxels === 0 ? "This arm has no skin." : `Nothing touches ${reach.judgedAlone ?? "the skin"} in this reach.`;
     say(this.#key, names.length === 0 ? nothing : `Shares of the taxels in contact on ${where}, from the bottom: ${names.join(", ")}.`);
     const said = common.map(({ label, columns }) => {

@@ -78,6 +78,21 @@ test("an address brings back a frame of a fast table", async () => {
   server.close();
 });
 
+/** Tests that readings without a label are not said to have no cause. */
+test("a table without categories does not say what causes its readings", async () => {
+  const path = file("unlabelled.csv");
+  writeFileSync(path, [HEAD, ...rows(0, 1, 0, 29).map((row) => row.replace("towel", "")), ""].join("\n"));
+  const server = await serve(path);
+  const page = await open(browser, server.address);
+  await ready(page);
+  const key = await page.textContent("#strips");
+  assert.match(key, /labelled nothing, or not at all/);
+  assert.doesNotMatch(key, /no object causes/);
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+  server.close();
+});
+
 /** Tests that a recording of a robot's log, which has neither seed, controller, goals, an audit, torques nor true forces, does not speak of
  * them. */
 test("a recording of a log says nothing that nobody knows", async () => {
@@ -85,6 +100,7 @@ test("a recording of a log says nothing that nobody knows", async () => {
   writeFileSync(file("log.csv"), ["t,f_0,f_1,label,run", ...frames, ""].join("\n"));
   writeFileSync(file("taxels.csv"), "x_m,y_m,z_m,normal_x,normal_y,normal_z,area_m2\n0,0,0,0,0,1,0.0001\n0.02,0,0,0,0,1,0.0001\n");
   const tables = ['[time]\nfrom = "t"\nunit = "s"', '[force]\nfrom = "f_{taxel}"\ntaxels = 2\nunit = "N"'];
+  tables.push("[grid]\nrows = 1\ncolumns = 2");
   tables.push('[trial]\npatch = "palm"\ncategory_from = "label"\nreach_from = "run"', '[skin]\ntaxels = "taxels.csv"\n');
   writeFileSync(file("log.toml"), tables.join("\n"));
   program("import", file("log.csv"), "--mapping", file("log.toml"), "--out", file("felt"));
@@ -93,7 +109,16 @@ test("a recording of a log says nothing that nobody knows", async () => {
   await ready(page);
   await seek(page, 20);
   assert.match(await page.textContent("#details"), /0\.50\s*N/);
+  // A flat skin has nothing that columns could lie around.
+  assert.equal(await page.textContent("#skins figcaption"), "palm 1 row × 2 columns");
   assert.equal(await page.locator(".force-label:not([hidden])").count(), 0, "an arrow that the legend does not explain");
+  // Nobody knows where the ground is, so there is nothing between the taxels.
+  const between = await page.evaluate(() => {
+    const { pixel, project } = window.underbrushReplay.drawn();
+    const [x, y] = project([0.01, 0, 0]);
+    return [...[-2, -1, 0, 1, 2].map((off) => pixel(x, y + off)), pixel(2, 2)].map(String);
+  });
+  assert.equal(new Set(between).size, 1, `a line of the ground between the taxels: ${between}`);
   const plots = await page.$$eval("[data-plot]:not([hidden])", (found) => found.map((plot) => plot.dataset.plot));
   assert.deepEqual(plots, ["force", "area", "taxel"]);
   assert.equal(await page.textContent("#title"), "log, reach 0");

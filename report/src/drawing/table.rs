@@ -207,6 +207,21 @@ impl Table {
         rows.map(|row| joined(row.iter().map(Cell::csv), ",") + "\n").collect()
     }
 
+    /// The table with headings that differ, for programs. A heading that occurs twice gets that of the last column before it whose
+    /// heading does not: `touched trials: accuracy / %`.
+    #[must_use]
+    pub fn with_own_headings(mut self) -> Self {
+        let (all, mut group) = (self.columns.clone(), "");
+        for (own, heading) in self.columns.iter_mut().zip(&all) {
+            if all.iter().filter(|other| *other == heading).count() == 1 {
+                group = heading.as_str();
+            } else {
+                *own = format!("{group}: {heading}");
+            }
+        }
+        self
+    }
+
     fn is_numeric(&self, column: usize) -> bool {
         let mut cells = self.rows.iter().filter_map(|row| row.get(column));
         cells.any(|cell| !matches!(cell, Cell::Text(_) | Cell::Missing))

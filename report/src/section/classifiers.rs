@@ -82,9 +82,10 @@ pub fn features(entries: &[ClassifierEntry], accuracies: &[(&str, f64)]) -> Opti
             let (Some(first), Some(second)) = (accuracy(entry), accuracy(other)) else { continue };
             let (Some(seen), Some(other_seen)) = (entry.features, other.features) else { continue };
             let (same, all) = (seen.names(), other_seen.names());
-            let same_method = entry.method.name == other.method.name;
+            let same_method = (entry.method.name, entry.states) == (other.method.name, other.states);
             let (name, gain) = (&entry.name, second - first);
-            if let Some(added) = all.strip_prefix(same.as_slice()).filter(|_| same_method) {
+            let added = all.strip_prefix(same.as_slice()).filter(|added| same_method && !added.is_empty());
+            if let Some(added) = added {
                 let of_region: Vec<&str> = other_seen.of_region().map(|feature| feature.name).collect();
                 let added = if added == of_region { "the contact region".to_owned() } else { added.join(" and ") };
                 sentences.push(format!(

@@ -13,9 +13,8 @@ pub fn add(report: &mut Report, outcome: &ComparedControllers) {
     }
     report.section("controllers", "What a map of touched trunks gains");
     report.page.paragraph(&format!(
-        "{} reaches of {}, the same for all controllers. The published controller pushes on and is stuck. The mapped \
-         one remembers what stopped it, or what is called a trunk, and plans a way round it. A planner that knows all trunks \
-         finds a way to every goal.",
+        "{} reaches of {}, the same for all controllers. The published controller pushes on until it is stuck. The mapped \
+         one remembers what stopped it, or what is called a trunk, and plans a way round it.",
         outcome.reaches, outcome.scene
     ));
     let caption = "Goals that were reached, and the largest force on a trunk in a reach, with 95 % intervals from resampling reaches.";

@@ -16,7 +16,8 @@ pub fn add(report: &mut Report, outcome: &ExampleTrials) {
         format!("{category}: peak {peak_force_n:.2} N, motion up to {motion_cm:.1} cm in {lasts_s:.2} s")
     };
     let caption = format!(
-        "One taxel trial of each category: among those of a second or more, the one with the median peak force. {}.",
+        "One taxel trial of each category: among those of a second or more, if there are any, the one with the median peak \
+         force. {}.",
         joined(outcome.figure_5.iter().map(part), "; ")
     );
     let medians = &outcome.figure_5_medians;
@@ -42,10 +43,9 @@ fn address(example: &Example, place: usize) -> String {
 /// The medians of each category.
 fn typical(medians: &[Typical]) -> String {
     let part = |Typical { category, trials, force_after_100_ms_n: early_n, peak_force_n, motion_m }: &Typical| {
-        let motion_cm = 100.0 * motion_m;
-        format!(
-            "{category}, {trials} trials: force {early_n:.2} N after 0.1 s, peak {peak_force_n:.2} N, motion {motion_cm:.1} cm"
-        )
+        let (motion_cm, is_short) = (100.0 * motion_m, early_n.is_nan());
+        let early = if is_short { "none lasts 0.1 s".to_owned() } else { format!("force {early_n:.2} N after 0.1 s") };
+        format!("{category}, {trials} trials: {early}, peak {peak_force_n:.2} N, motion {motion_cm:.1} cm")
     };
     let parts = joined(medians.iter().map(part), "; ");
     format!("Medians over the trials in which something touched the taxel. {parts}.")
@@ -64,7 +64,10 @@ pub fn against_paper(medians: &[Typical]) -> Option<String> {
         let (trunk_n, leaf_n) = (of(trunk), of(leaf));
         format!("{} ({trunk_n:.2} N, leaves {leaf_n:.2} N)", is_larger(what, of, trunk_n > leaf_n))
     };
-    let early = force("the force 0.1 s after contact", |own| own.force_after_100_ms_n);
+    let early = match [leaf, trunk].iter().any(|own| own.force_after_100_ms_n.is_nan()) {
+        true => "too few of them last 0.1 s to compare the force then".to_owned(),
+        false => force("the force 0.1 s after contact", |own| own.force_after_100_ms_n),
+    };
     let peak = force("the peak force", |own| own.peak_force_n);
     let motion = is_larger("the motion", |own| own.motion_m, trunk.motion_m < leaf.motion_m);
     let [trunk_cm, leaf_cm] = [trunk, leaf].map(|own| 100.0 * own.motion_m);

@@ -178,6 +178,8 @@ fn a_report_is_whole() {
     let pages = ["replay-engineered.html", "replay-training.html", "replay.html"];
     assert_eq!(replayed, BTreeSet::from(pages.map(String::from)));
     assert_eq!(faults(&html), Vec::<&str>::new());
+    // What was run: both campaigns.
+    assert!(html.contains("<li>seeds 3 to 4</li>"));
 
     let mut with_wall_times = BTreeSet::new();
     for file in std::fs::read_dir(folder.path().join("csv")).unwrap() {
@@ -185,6 +187,8 @@ fn a_report_is_whole() {
         let mut reader = csv::Reader::from_path(&path).unwrap();
         // The reader refuses rows whose length differs from the header's.
         reader.records().for_each(|row| drop(row.unwrap()));
+        let headings = reader.headers().unwrap();
+        assert_eq!(headings.iter().collect::<BTreeSet<_>>().len(), headings.len(), "{path:?}: {headings:?}");
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
         if std::fs::read(&path).unwrap() != std::fs::read(again.path().join("csv").join(&name)).unwrap() {
             with_wall_times.insert(name);

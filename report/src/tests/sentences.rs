@@ -92,6 +92,9 @@ fn the_page_says_where_typical_trials_contradict_the_paper() {
     let text = example_trials::against_paper(&[typical("leaf", 0.1, 0.9, 0.04), trunk()]).unwrap();
     assert!(text.contains("the motion is not larger on trunks, as in the paper"), "{text}");
     assert_eq!(example_trials::against_paper(&[trunk()]), None);
+    // All trials on leaves are shorter than 0.1 s.
+    let text = example_trials::against_paper(&[typical("leaf", f64::NAN, 0.9, 0.04), trunk()]).unwrap();
+    assert!(text.contains("too few of them last 0.1 s") && !text.contains("NaN"), "{text}");
 }
 
 /// Tests that the counts of untouched trials are named, and that a category without trials is left out.
@@ -110,8 +113,8 @@ fn the_page_counts_trials_that_nothing_touched() {
     assert!(text.contains(expected) && !text.contains("NaN"), "{text}");
 }
 
-/// Tests that classifiers with the same features are compared with each other, and that a method is compared with and
-/// without a feature.
+/// Tests that classifiers with the same features are compared with each other, that a method is compared with and
+/// without a feature, and that what another number of states changes is not taken for the effect of a feature.
 #[test]
 fn classifiers_are_compared_like_with_like() {
     let experiment = underbrush_experiments::definition::Experiment::paper().unwrap();
@@ -130,4 +133,12 @@ fn classifiers_are_compared_like_with_like() {
     ] {
         assert!(text.contains(part), "{text}");
     }
+    let mut entries = experiment.file.classifiers;
+    entries[1].states = Some(5);
+    assert_eq!(classifiers::features(&entries, &accuracies[..2]), None);
+    entries[1].features = entries[0].features;
+    let text = classifiers::features(&entries, &accuracies[..2]).unwrap();
+    let expected = "With the same features (force), hidden Markov models, force has 80.0 % and hidden Markov models, force \
+                    and motion 78.0 % (-2.0 points).";
+    assert_eq!(text, expected);
 }

@@ -104,7 +104,7 @@ pub fn cover(arm_file: &Path, new: &NewPatch) -> Result<Covered, InputError> {
     let mut files = arm.files.clone();
     files[2].text.clone_from(&text);
     let arm = Arm::from_files(&files)
-        .map_err(|error| refused(format!("{}: {}", error.field, error.found), &error.allowed, "change --pitch-mm"))?;
+        .map_err(|error| refused(format!("{}: {}", error.field, error.found), &error.allowed, "change the options"))?;
     Ok(Covered { path, text, arm, left_out })
 }
 

@@ -194,7 +194,7 @@ fn read_held_chain(source: &Source, file: &ArmFile, urdf: &Source) -> Result<Cha
     }
     let hulled = file.hull.iter().map(|hull| hull.link.clone()).collect();
     let inertia = read_inertia(source, &file.inertia)?;
-    let chain = read_chain(urdf, &file.base_link, &Said { held, hulled, inertia })?;
+    let chain = read_chain(urdf, source, &file.base_link, &Said { held, hulled, inertia })?;
     for (number, table) in file.inertia.iter().enumerate() {
         chain.frame(source, &format!("inertia[{number}].link"), &table.link)?;
     }

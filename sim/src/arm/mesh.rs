@@ -38,7 +38,7 @@ pub fn read_triangles(path: &Path) -> Result<Vec<Triangle>, InputError> {
     let triangles = match extension.as_str() {
         "stl" => match binary_stl(&bytes) {
             Some(triangles) => triangles,
-            None => text_stl(text()?).ok_or_else(|| fault("neither a binary nor a text STL file"))?,
+            None => text().ok().and_then(text_stl).ok_or_else(|| fault("neither a binary nor a text STL file"))?,
         },
         "obj" => obj(text()?).ok_or_else(|| fault("a vertex or face that is no OBJ"))?,
         "dae" => collada(text()?).map_err(|found| fault(&found))?,
@@ -300,6 +300,14 @@ mod tests {
             assert!((volume - 0.006).abs() < 1e-9 && center.abs_diff_eq(DVec3::new(0.05, 0.1, 0.15), 1e-7), "{name}");
             assert_eq!(triangles.len(), 12);
         }
+    }
+
+    /// Tests that an STL file that is cut short is called no STL file, and not one without UTF-8.
+    #[test]
+    fn a_short_stl_is_none() {
+        let (name, bytes) = &boxes()[0];
+        let error = read(name, &bytes[..bytes.len() - 1]).unwrap_err();
+        assert!(error.found.starts_with("neither a binary nor a text STL"), "{error}");
     }
 
     /// Tests that the unit of a COLLADA file and the transforms of its nodes are applied.

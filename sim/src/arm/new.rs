@@ -32,7 +32,7 @@ pub struct NewArm {
     pub out: PathBuf,
     /// The link that the controller moves to goals.
     pub tip_link: String,
-    /// The fixed link; without one, the root of the URDF.
+    /// The fixed link; without one, the root of the URDF's tree that the tip is on.
     pub base_link: Option<String>,
     /// Folders of ROS packages, by name.
     pub packages: BTreeMap<String, PathBuf>,
@@ -51,6 +51,8 @@ pub struct NewFiles {
     pub skin: (PathBuf, String),
     /// Name and text of a scene with trunks.
     pub scene: (PathBuf, String),
+    /// Whether a start posture was found with the tip in front of the base; otherwise the arm starts in the middle of its limits.
+    pub start_found: bool,
     /// Joints that are held.
     pub held: Vec<String>,
     /// Number of hulls.
@@ -76,7 +78,7 @@ pub fn new_files(new: &NewArm) -> Result<NewFiles, InputError> {
     let places = held.iter().map(|(joint, place)| (joint.name.to_owned(), *place)).collect();
     let raised = tree.raised_inertia();
     let inertia = raised.iter().map(|(link, entries, _)| (link.clone(), *entries)).collect();
-    let chain = read_chain(&source, tree.base, &Said { held: places, hulled, inertia })?;
+    let chain = read_chain(&source, &source, tree.base, &Said { held: places, hulled, inertia })?;
     let skin_path = new.out.with_extension("skin.toml");
     let names = [&new.urdf, &skin_path].map(|path| relative(&new.out, path));
     let skin_text = skin_text(&new.out);
@@ -117,21 +119,23 @@ pub fn new_files(new: &NewArm) -> Result<NewFiles, InputError> {
     if room.reach_m < LEAST_REACH_M {
         let found = format!("a reach of {} m from the second joint to the tip", short(significant(room.reach_m, 2)));
         let allowed = format!("at least {LEAST_REACH_M} m, because trunks have no room around a smaller arm");
-        return Err(source.fault("--tip", found, allowed, "correct the lengths in the URDF, which are in metres"));
+        let remedy = "give a --tip farther from the base, or correct the lengths in the URDF, which are in metres";
+        return Err(source.fault("--tip", found, allowed, remedy));
     }
     let found_posture = room.start_posture(&arm);
     let rounded =
         |(angle, [low, high]): (&f64, &[f64; 2])| ((angle.to_degrees() * 10.0).round() / 10.0).clamp(*low, *high);
+    let start_found = found_posture.is_some();
     let start_deg: Vec<f64> = match &found_posture {
         Some(posture) => posture.iter().zip(&limits_deg).map(rounded).collect(),
         None => limits_deg.iter().map(middle).collect(),
     };
     let start_rad: Vec<f64> = start_deg.iter().map(|angle| angle.to_radians()).collect();
     let inertia = arm.mass_matrix(&arm.forward_kinematics(&start_rad));
-    let mut joints = match found_posture {
-        Some(_) => "# - start: the tip is drawn back in front of the base, level with the goals of the scene beside this file; of the\n\
+    let mut joints = match start_found {
+        true => "# - start: the tip is drawn back in front of the base, level with the goals of the scene beside this file; of the\n\
                     #   postures found there, the one with the fewest links through each other and the most room to the limits.\n",
-        None => "# - start: the middle of the limits. No posture was found with the tip in front of the base and above the table of\n\
+        false => "# - start: the middle of the limits. No posture was found with the tip in front of the base and above the table of\n\
                  #   the scene beside this file; choose one by hand.\n",
     }.to_owned();
     for (number, joint) in chain.joints.iter().enumerate() {
@@ -144,6 +148,7 @@ pub fn new_files(new: &NewArm) -> Result<NewFiles, InputError> {
     Ok(NewFiles {
         scene: (new.out.with_extension("trunks.toml"), scene_text(&new.out, &room)),
         skin: (skin_path, skin_text.clone()),
+        start_found,
         held: held.iter().map(|(joint, _)| joint.name.to_owned()).collect(),
         hulls: found.len(),
         raised: raised.into_iter().map(|(link, _, share)| (link, share)).collect(),
@@ -183,15 +188,31 @@ impl<'a> Tree<'a> {
             return Err(source.fault("joint", found, "joints with names of their own", "rename one of them"));
         }
         let parent = |link: &str| joints.iter().find(|joint| joint.child == link);
-        let root = || names().find(|link| parent(link).is_none()).unwrap_or_default();
-        let base = new.base_link.as_deref().unwrap_or_else(root);
+        let given = new.base_link.as_deref();
+        let no_chain = || {
+            let allowed = format!("a link that turning joints carry on {}", given.unwrap_or("the root of the URDF"));
+            Err(refused("--tip", &new.tip_link, allowed))
+        };
         let mut chain = BTreeSet::new();
-        let mut at = new.tip_link.as_str();
-        while at != base {
-            match parent(at) {
-                Some(joint) if chain.insert(joint.name) => at = joint.parent,
-                _ => return Err(refused("--tip", &new.tip_link, format!("a link that joints carry on {base}"))),
+        // Without a given base it is the root of the tree that the tip is on.
+        let mut base = new.tip_link.as_str();
+        while given != Some(base) {
+            match parent(base) {
+                None if given.is_none() => break,
+                Some(Joint { element, name, kind, parent, child })
+                    if !["revolute", "continuous", "fixed"].contains(kind) =>
+                {
+                    let remedy = format!("give --base {child}, or --tip {parent}");
+                    let allowed = "revolute, continuous or fixed from --base to --tip";
+                    let fault = source.fault(format!("joint {name}, type"), kind, allowed, remedy);
+                    return Err(fault.at_line(elements.line_of(*element)));
+                }
+                Some(joint) if chain.insert(joint.name) => base = joint.parent,
+                _ => return no_chain(),
             }
+        }
+        if !joints.iter().any(|joint| joint.moves() && chain.contains(joint.name)) {
+            return no_chain();
         }
         let mut below = BTreeSet::from([base]);
         // Every pass adds the next links; a loop adds none.
@@ -283,6 +304,14 @@ impl<'a> Tree<'a> {
                     tables += "]\n";
                 }
                 all.extend(found);
+            }
+            let meshed = named(*link, &["collision"]).find(|part| mesh(*part).is_some());
+            if let Some(part) = meshed.filter(|_| !hulled.contains(name)) {
+                let field = format!("link {name}, collision");
+                let remedy = "give the link another collision shape in the URDF, or none";
+                let fault =
+                    InputError::new(&new.urdf, field, "meshes that are all flat", "shapes with a volume", remedy);
+                return Err(fault.at_line(elements.line_of(part)));
             }
         }
         Ok((tables, hulled, all))

@@ -9,7 +9,7 @@ use underbrush_recording::{BodyShape, InputError, PLAIN, Pose, is_plain};
 use super::inertia::{self, Entries};
 use super::limits::{self, MAX_JOINTS};
 use super::source::{Source, directions, listed, unit};
-use super::urdf_text::{Element, Elements, REMEDY, SHAPES, attribute, named, number, numbers};
+use super::urdf_text::{Element, Elements, SHAPES, attribute, named, number, numbers};
 use super::{Link, LinkCollider};
 
 /// A chain as described by a URDF.
@@ -47,8 +47,8 @@ impl Chain {
 
 const NO_LOOP: &str = "each link once, from the base to the end effector";
 
-/// Reads the chain that starts at `base`.
-pub(super) fn read_chain(source: &Source, base: &str, said: &Said) -> Result<Chain, InputError> {
+/// Reads the chain that starts at `base`, which `arm_file` names.
+pub(super) fn read_chain(source: &Source, arm_file: &Source, base: &str, said: &Said) -> Result<Chain, InputError> {
     let elements = Elements::read(source)?;
     let reader = Reader {
         elements: &elements,
@@ -60,8 +60,8 @@ pub(super) fn read_chain(source: &Source, base: &str, said: &Said) -> Result<Cha
     let mut chain =
         Chain { links: Vec::new(), joints: Vec::new(), frames: BTreeMap::new(), held: reader.held_joints()? };
     let Some(base) = reader.links.get(base).copied() else {
-        let field = format!("link {base}, name");
-        return Err(source.fault(field, "no such link", "the name of a link of this URDF", REMEDY));
+        let names: Vec<&str> = reader.links.keys().copied().collect();
+        return Err(arm_file.fault_at("base_link", base, format!("a link of the URDF: {}", names.join(", "))));
     };
     let mut root = base;
     loop {

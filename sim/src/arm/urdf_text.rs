@@ -68,7 +68,7 @@ const CHILDREN: &[(&str, &[&str], bool)] = &[
 pub(super) const SHAPES: &[&str] = &["box", "cylinder", "capsule", "sphere", "mesh"];
 
 /// What to do about a fault.
-pub(super) const REMEDY: &str = "correct the URDF";
+const REMEDY: &str = "correct the URDF";
 
 /// An element of the file.
 pub(super) type Element<'a> = Node<'a, 'a>;
@@ -95,6 +95,12 @@ impl<'a> Elements<'a> {
             fault.at_line(line)
         })?;
         let elements = Elements { source, document };
+        let root = elements.document.root_element();
+        if root.tag_name().name() != "robot" {
+            let found = format!("<{}>", root.tag_name().name());
+            let fault = source.fault("robot", found, "a URDF, whose root is <robot>", REMEDY);
+            return Err(fault.at_line(elements.line_of(root)));
+        }
         elements.check_size()?;
         // Elements outside links and joints (transmissions, extensions of simulators) are not read.
         for owner in elements.owners() {

@@ -6,6 +6,7 @@ use underbrush_recording::{InputError, Limits};
 
 use super::PlacedObject;
 use crate::arm::ArmAtStart;
+use crate::object::structure::CollisionGroup;
 use crate::object::{Footing, StandsOn};
 use crate::range::{Draw, PLACE_M, YAW_DEG};
 use crate::scene::{Scene, Workspace};
@@ -67,6 +68,8 @@ struct Rejections {
     no_foam: usize,
     overlap: usize,
     arm: usize,
+    /// Places beside the table for what would fall from there.
+    beside: usize,
 }
 
 impl Rejections {
@@ -85,6 +88,16 @@ impl Rejections {
             self.arm += 1;
             return false;
         }
+        let mut tables = objects.iter().filter(|other| other.object.is_ground()).peekable();
+        // A scene that names no table has one without an edge.
+        let is_beside =
+            tables.peek().is_some() && !tables.any(|table| table.laid().contains(placed.foot_world.truncate(), 0.0));
+        let stands_free =
+            || placed.object.structure(0.0).bodies.iter().any(|own| own.collision_group == CollisionGroup::Standing);
+        if is_beside && stands_free() {
+            self.beside += 1;
+            return false;
+        }
         true
     }
 }
@@ -94,8 +107,8 @@ impl std::fmt::Display for Rejections {
         write!(
             f,
             "of {PLACES} places tried for the next one, {} overlapped another object, {} were too close to the arm's \
-             start posture and {} had no foam to stand in",
-            self.overlap, self.arm, self.no_foam
+             start posture, {} were beside the table and {} had no foam to stand in",
+            self.overlap, self.arm, self.beside, self.no_foam
         )
     }
 }

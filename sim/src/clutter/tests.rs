@@ -171,6 +171,24 @@ fn groups_without_room_are_refused() {
     assert!(error.contains("1000 had no foam to stand in"), "{error}");
 }
 
+/// Tests that bottles and free blocks are not placed beside the tables that a scene names, where they would fall, and that a trunk
+/// may be there.
+#[test]
+fn what_would_fall_stands_on_a_table() {
+    let beside = |group: &str| {
+        let text = format!(
+            "[goals]\npositions_m = [[0.5, -0.1, -0.25]]\n[[objects.table]]\ncount = 1\nlength_m = 0.5\nwidth_m = 0.5\n\
+             place = {{ x_m = 0, y_m = 0 }}\n[[objects.{group}\ncount = 1\nplace = {{ x_m = 0.6, y_m = 0 }}\n"
+        );
+        draw(&text, &arm())
+    };
+    for group in ["water_bottle]]", "foam_block]]\nstands_free = 1"] {
+        let error = beside(group).unwrap_err();
+        assert!(error.allowed.contains("1000 were beside the table"), "{error}");
+    }
+    assert_eq!(beside("trunk]]").unwrap().objects.len(), 2);
+}
+
 /// Tests the random streams: seed, index of the reach, what the file says of the objects and the key `stream` each change
 /// the clutter; the file's name, the sensor, the physics and the number of goals do not.
 #[test]

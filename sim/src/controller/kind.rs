@@ -80,11 +80,12 @@ impl ControllerKind {
         }
     }
 
-    /// The controller of an arm, with these parameters.
+    /// The controller of an arm, with these parameters. `Blind` ignores all contacts with any of them.
     pub fn controller(self, preset: Preset, arm: &Arm) -> Box<dyn Controller> {
         match self {
-            ControllerKind::Cody2013 | ControllerKind::IjrrFoliage | ControllerKind::Blind => {
-                Box::new(ModelPredictive::new(preset, arm))
+            ControllerKind::Cody2013 | ControllerKind::IjrrFoliage => Box::new(ModelPredictive::new(preset, arm)),
+            ControllerKind::Blind => {
+                Box::new(ModelPredictive::new(Preset { ignored_force_n: f64::INFINITY, ..preset }, arm))
             }
             ControllerKind::Mapped => Box::new(Mapped::new(preset, arm)),
         }

@@ -32,8 +32,14 @@ pub fn schema_within(Limits { min, max, .. }: Limits) -> Schema {
     forms(&value, &deviation)
 }
 
-/// Puts a field's limits into its schema: those of a [`Draw`], or of a number or every number of an array, with their unit. A
-/// value that switches an effect off is within the limits.
+/// The schema of the entries of an array or a map.
+fn entries(schema: &mut Schema) -> Option<&mut Schema> {
+    let key = if schema.get("items").is_some() { "items" } else { "additionalProperties" };
+    <&mut Schema>::try_from(schema.get_mut(key)?).ok()
+}
+
+/// Puts a field's limits into its schema: those of a [`Draw`], or of a number or every number of an array or a map, with their
+/// unit. A value that switches an effect off is within the limits.
 pub struct Within(pub Limits);
 
 impl Transform for Within {
@@ -45,8 +51,8 @@ impl Transform for Within {
             }
         } else if let Some(first) = schema.get_mut("anyOf").and_then(|kinds| kinds.get_mut(0)) {
             *first = forms.into();
-        } else if let Some(items) = schema.get_mut("items").and_then(|items| <&mut Schema>::try_from(items).ok()) {
-            self.transform(items);
+        } else if let Some(entries) = entries(schema) {
+            self.transform(entries);
         } else {
             let Limits { min, max, off, unit } = self.0;
             schema.insert("minimum".into(), off.map_or(min, |off| off.min(min)).into());

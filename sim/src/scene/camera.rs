@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::limits::short;
 
 use super::limits;
-use crate::range::PLACE_M;
+use crate::range::{PLACE_M, Within};
 use crate::sensor::Fault;
 
 /// A camera of a scene (`[[cameras]]`). It stands still, with its places in the world frame, or a link carries it, and they are in
@@ -20,22 +20,22 @@ pub struct SceneCamera {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub link: Option<String>,
     /// Where it is, m.
-    #[schemars(with = "[f64; 3]")]
+    #[schemars(with = "[f64; 3]", transform = Within(PLACE_M))]
     pub eye_m: DVec3,
     /// A point in the middle of its pictures, m.
-    #[schemars(with = "[f64; 3]")]
+    #[schemars(with = "[f64; 3]", transform = Within(PLACE_M))]
     pub target_m: DVec3,
     /// A direction that is up in its pictures.
     #[serde(default = "default_up")]
-    #[schemars(with = "[f64; 3]")]
+    #[schemars(with = "[f64; 3]", transform = Within(PLACE_M))]
     pub up: DVec3,
     /// Angle between the upper and the lower edge of its pictures, degrees.
     #[serde(default = "default_field_deg")]
-    #[schemars(range(min = limits::FIELD_DEG.min, max = limits::FIELD_DEG.max))]
+    #[schemars(transform = Within(limits::FIELD_DEG))]
     pub vertical_fov_deg: f64,
     /// Width and height of its pictures, pixels.
     #[serde(default = "default_size_px")]
-    #[schemars(inner(range(min = limits::PICTURE_PX.min, max = limits::PICTURE_PX.max)))]
+    #[schemars(transform = Within(limits::PICTURE_PX))]
     pub size_px: [usize; 2],
 }
 

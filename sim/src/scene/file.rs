@@ -33,7 +33,7 @@ pub struct SceneFile {
     /// With `--verdicts`: how hard the arm may press on objects of a category, or on `unknown` ones, N. The controller's
     /// own limit holds for all others, and so do 6 N on leaves and 1.5 N on trunks, if not given.
     #[serde(default)]
-    #[schemars(inner(range(min = limits::ALLOWED_FORCE_N.min, max = limits::ALLOWED_FORCE_N.max)))]
+    #[schemars(transform = Within(limits::ALLOWED_FORCE_N))]
     pub allowed_force_n: BTreeMap<String, f64>,
     /// Where objects may stand.
     #[serde(default)]
@@ -94,8 +94,10 @@ options! {
     #[serde(deny_unknown_fields, default)]
     pub struct Workspace {
         /// Smallest and largest x of an object's foot, m.
+        #[schemars(transform = Within(PLACE_M))]
         x_m: [f64; 2] = [0.20, 0.75];
         /// Smallest and largest y of an object's foot, m.
+        #[schemars(transform = Within(PLACE_M))]
         y_m: [f64; 2] = [-0.60, 0.20];
         /// Height of the table top, m.
         table_height_m: f64 = -0.58, PLACE_M;
@@ -117,10 +119,11 @@ options! {
         /// How long the arm may make no progress before the goal is given up, s, as by the operator who gives the goals one
         /// by one (paper, section IV-B). If not given, the rule published with the controller decides when the arm is
         /// stuck.
-        #[schemars(range(min = limits::PATIENCE_S.min, max = limits::PATIENCE_S.max))]
+        #[schemars(transform = Within(limits::PATIENCE_S))]
         patience_s: Option<f64> = None;
         /// The goals, m, world frame, in this order. If they are given, none are drawn, and `count` and the ranges below have
         /// no effect.
+        #[schemars(transform = Within(PLACE_M))]
         positions_m: Option<Vec<[f64; 3]>> = None;
         /// What is progress: `mean-position`, as published, or `path`, by which an arm that turns round makes progress. If not
         /// given, the rule that belongs to the controller.

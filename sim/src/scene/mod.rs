@@ -254,7 +254,7 @@ impl Scene {
             ("physics", physics.numbers()),
         ];
         if let Some(name) = self.file.allowed_force_n.keys().find(|name| !self.has_verdict(name)) {
-            let allowed = "leaf, trunk, outlier, a category of the scene's objects, or unknown";
+            let allowed = "leaf, trunk, block, outlier, a category of the scene's objects, or unknown";
             return Err(self.fault(&format!("allowed_force_n.{name}"), name, allowed));
         }
         let forces = self.file.allowed_force_n.iter();
@@ -292,16 +292,13 @@ impl Scene {
                     format!("another name, because in data sets this one has the same code, {code}, as {other}");
                 return Err(self.fault(&format!("{place}.category"), name, allowed));
             }
-            for limited in group.quantities() {
-                self.check_range(&place, limited)?;
-            }
             let Placement { x_m, y_m, yaw_deg } = group.place;
             let places =
                 [("place.x_m", x_m, PLACE_M), ("place.y_m", y_m, PLACE_M), ("place.yaw_deg", yaw_deg, YAW_DEG)];
-            for (name, draw, limits) in places {
-                if let Some(draw) = draw {
-                    self.check_range(&place, Limited { name, draw, limits })?;
-                }
+            let places = places.into_iter();
+            let places = places.filter_map(|(name, draw, limits)| Some(Limited { name, draw: draw?, limits }));
+            for limited in group.quantities().into_iter().chain(places) {
+                self.check_range(&place, limited)?;
             }
         }
         Ok(())

@@ -8,7 +8,7 @@ use underbrush_recording::SkinLayout;
 use underbrush_recording::limits::{first_outside, short};
 
 use super::limits;
-use crate::range::options;
+use crate::range::{Within, options};
 
 options! {
     // Gate, quantization step and saturation are the authors'. The others are choices:
@@ -65,6 +65,7 @@ options! {
         /// Mean duration of a spurious reading, s.
         spurious_time_s: f64 = 6.0, limits::SPURIOUS_TIME_S;
         /// Smallest and largest spurious reading, N; values between them are equally likely.
+        #[schemars(transform = Within(limits::SPURIOUS_FORCE_N))]
         spurious_force_n: [f64; 2] = [0.02, 0.10];
         /// Delay of the readings in frames of 10 ms.
         delay_frames: u32 = 1, limits::DELAY_FRAMES;

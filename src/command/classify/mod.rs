@@ -12,8 +12,6 @@ use serde::Serialize;
 use underbrush_classifier::any_model::{self, AnyModel, OnlineModel};
 use underbrush_classifier::decision::Verdict;
 use underbrush_classifier::{OnlineOptions, ScoreKind, Scores};
-use underbrush_experiments::model_data;
-use underbrush_recording::disk::is_there;
 
 use super::touch::TouchDecisionArguments;
 use super::{DecisionArguments, score};
@@ -46,8 +44,8 @@ A new reach begins with {\"reset\":true}: contacts end, and time may start again
 pub struct ClassifyOptions {
     /// Model file
     model: PathBuf,
-    /// Data set (folder), recording, table of trials, or `-`: frames as JSON lines on stdin, each answered before the
-    /// next is read
+    /// Data set (folder), recording, folder of recordings, table of trials, or `-`: frames as JSON lines on stdin, each
+    /// answered before the next is read
     input: PathBuf,
     /// Give a verdict for each taxel in contact in each frame, as JSON lines. A touch model always does
     #[arg(long)]
@@ -91,10 +89,6 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
             "--skin and --strict are for frames on standard input, `-`; leave them out: a file knows its skin";
         return Err(Failure::usage(message));
     }
-    if !options.reads_stdin() && is_there(&options.input)? {
-        let rate_hz = model_data::of_path(&options.input)?.rate_hz;
-        model.provenance().warn_of_rate(options.input.display(), rate_hz);
-    }
     let model = match model {
         AnyModel::Touch(mut model) => {
             options.decision.refuse_for_touch_model(options.score.map(|_| "--score".to_owned()))?;
@@ -113,9 +107,9 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
     }
     let categories = model.classifier.categories();
     let judge = options.decision.decision(&Scores::of_model(&model))?.prepare(&categories)?;
-    let trials = input::trials(&options.input, &options.cut)?;
-    let scores = score::of_trials(&model, &trials, &options.input)?;
-    let verdicts = trials.iter().zip(scores).map(|(trial, scores)| TrialVerdict {
+    let read = input::trials(&options.input, &options.cut)?;
+    let scores = score::of_trials(&model, &read, &options.input)?;
+    let verdicts = read.trials.iter().zip(scores).map(|(trial, scores)| TrialVerdict {
         trial: trial.trial,
         verdict: judge.choose(&scores),
         truth: trial.category.clone(),

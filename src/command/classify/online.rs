@@ -8,18 +8,19 @@ use serde_json::json;
 use underbrush_classifier::any_model::{OnlineJudge, OnlineModel};
 use underbrush_exchange::live::{LineError, LineParser, Lines, Message};
 use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recording, read_trials};
-use underbrush_recording::{Frame, InputError, SkinLayout, math};
+use underbrush_recording::{Frame, InputError, Recording, SkinLayout, math};
 use underbrush_sim::arm::{self, Arm};
 
 use super::{ClassifyOptions, answers};
-use crate::{Failure, input, output};
+use crate::input::{self, Reaches};
+use crate::{Failure, output};
 
 /// The rate of a stream is that of its first frames, this many intervals.
 const FRAMES_FOR_RATE: usize = 50;
 
 /// Prints one line of JSON for each frame.
 pub(super) fn run(options: &ClassifyOptions, model: &OnlineModel) -> Result<(), Failure> {
-    let mut online = Online { model, categories: model.categories(), latency: Latency::new() };
+    let mut online = Online { model, categories: model.categories(), latency: Latency::new(), has_warned: false };
     if options.reads_stdin() {
         let layout = match &options.skin {
             Some(path) => layout_of(path)?,
@@ -27,16 +28,14 @@ pub(super) fn run(options: &ClassifyOptions, model: &OnlineModel) -> Result<(), 
         };
         online.stream(std::io::stdin().lock(), &layout, options.strict)?;
     } else if is_folder(&options.input)? {
-        let dataset = Dataset::open(&options.input)?;
-        for episode in 0..dataset.episodes().len() {
-            if episode > 0 {
-                output::line(&json!({ "reach": episode, "reset": true }).to_string())?;
+        for (reach, recording) in Reaches::open(std::slice::from_ref(&options.input))?.recordings().enumerate() {
+            if reach > 0 {
+                output::line(&json!({ "reach": reach, "reset": true }).to_string())?;
             }
-            let recording = dataset.read_reach(episode)?;
-            online.reach(&recording.layout, &recording.frames)?;
+            online.reach(&options.input, &recording?)?;
         }
     } else {
-        let allowed = "frames: a data set, a recording or `-`";
+        let allowed = "frames: a data set, a recording, a folder of recordings or `-`";
         input::check_exists(&options.input, allowed)?;
         // A damaged table is left to the reader of recordings, which says what is wrong with the file.
         let is_csv = options.input.extension().is_some_and(|extension| extension == "csv");
@@ -49,8 +48,7 @@ pub(super) fn run(options: &ClassifyOptions, model: &OnlineModel) -> Result<(), 
             };
             return Err(InputError::new(&options.input, "input", found, allowed, remedy).into());
         }
-        let recording = read_recording(&options.input)?;
-        online.reach(&recording.layout, &recording.frames)?;
+        online.reach(&options.input, &read_recording(&options.input)?)?;
     }
     if let Some(text) = online.latency.text() {
         output::remark(text);
@@ -79,13 +77,18 @@ struct Online<'a> {
     model: &'a OnlineModel,
     categories: Vec<String>,
     latency: Latency,
+    /// Whether another rate has been warned of.
+    has_warned: bool,
 }
 
 impl Online<'_> {
-    /// Answers the frames of a whole reach.
-    fn reach(&mut self, layout: &SkinLayout, frames: &[Frame]) -> Result<(), Failure> {
-        let mut judge = self.model.begin(layout)?;
-        frames.iter().try_for_each(|frame| self.answer(&mut judge, layout, frame, Instant::now()))
+    /// Answers the frames of a whole reach, which was read from this path.
+    fn reach(&mut self, path: &Path, recording: &Recording) -> Result<(), Failure> {
+        let warns = || self.model.provenance().warn_of_rate(path.display(), Some(recording.rate_hz));
+        self.has_warned = self.has_warned || warns();
+        let layout = &recording.layout;
+        let mut judge = self.model.begin(layout).map_err(|error| Failure::from(error).about(path))?;
+        recording.frames.iter().try_for_each(|frame| self.answer(&mut judge, layout, frame, Instant::now()))
     }
 
     /// Answers each line before the next is read. A bad line is answered with its error and otherwise ignored; with

@@ -16,7 +16,7 @@ use underbrush_classifier::evaluate::touch_folds::{add_auxiliary, cross_validate
 use underbrush_classifier::touch::{TouchDecision, TouchExamples, TouchModel, TouchOptions, TouchRows};
 use underbrush_experiments::dataset::{Campaign, REACHES};
 use underbrush_experiments::model_data;
-use underbrush_recording::disk::UnfinishedFolder;
+use underbrush_recording::disk::{UnfinishedFolder, with_recordings};
 use underbrush_sim::scene::{Scene, shipped_by_name};
 
 use crate::input::{self, Reaches};
@@ -32,8 +32,8 @@ pub struct TouchDecisionArguments {
     nothing_above: Option<f64>,
     /// Call an object unknown if at most this share of the objects of each known category is as unlike what is known as the
     /// object is (in its first 0.6 s: a fifth of this share). This is the share of false alarms. Shares below 0.001 are not
-    /// distinguished. A model that was trained without --auxiliary calls nothing unknown [default: as in the model, 0.05
-    /// after training]
+    /// distinguished, and 1 calls everything unknown. A model that was trained without --auxiliary, or on few known objects,
+    /// calls nothing unknown below some share [default: as in the model, 0.05 after training]
     #[arg(long, value_name = "P", value_parser = share())]
     unknown_share: Option<f64>,
     /// Cost of an uncertain verdict relative to that of a wrong category: a category is named if its probability is
@@ -109,8 +109,8 @@ pub fn train(
         Some(folder) => simulated.sets(paths, &folder.path().join(name)),
         None => Ok(paths.to_vec()),
     };
-    let paths = &input::with_recordings(&sets(paths, "known")?)?;
-    let auxiliary = &input::with_recordings(&sets(auxiliary, "auxiliary")?)?;
+    let paths = &with_recordings(&sets(paths, "known")?)?;
+    let auxiliary = &with_recordings(&sets(auxiliary, "auxiliary")?)?;
     let all: Vec<PathBuf> = paths.iter().chain(auxiliary).cloned().collect();
     // The same set cannot be both, so all are opened together first.
     Reaches::open(&all)?;
@@ -134,7 +134,7 @@ pub fn train(
     output::result(json, &trained, || {
         text::rows(&trained.rows)
             + &text::families(&trained.families)
-            + &text::decision(&trained.decision)
+            + &text::decision(&trained.decision, model.least_unknown_share())
             + &format!("Model written to {}", out.display())
     })
 }
@@ -193,6 +193,8 @@ pub fn evaluate(
         fit(examples, options, limit_wrong).map(deciding).map_err(|failure| about(failure, paths))
     };
     let reaches = Reaches::open(paths)?;
+    // The others are fitted without auxiliary sets.
+    let least_unknown_share = if let Judge::Model(model) = &judge { model.least_unknown_share() } else { None };
     let report = match judge {
         Judge::Model(model) => judge_touch(deciding(*model), &reaches)?,
         Judge::FittedTo(training, options) => {
@@ -200,6 +202,10 @@ pub fn evaluate(
             judge_touch(fitted(&examples, &options, training)?, &reaches)?
         }
         Judge::Folds(count, options) => {
+            let inputs = with_recordings(paths)?;
+            let sources = inputs.iter().map(|path| model_data::of_path(path)).collect::<Result<Vec<_>, _>>()?;
+            // Warns of several rates.
+            model_data::provenance(json!({}), sources);
             // Failures that are about all reaches name the input.
             let refused = |error: EvaluateError| match error {
                 EvaluateError::FoldCount { .. } => error.into(),
@@ -209,7 +215,7 @@ pub fn evaluate(
             cross_validate_touch(count, options.clone(), &reaches, fit, refused)?
         }
     };
-    output::result(json, &report, || text::evaluation(&report))
+    output::result(json, &report, || text::evaluation(&report, least_unknown_share))
 }
 
 /// Options on scenes that are given in place of data sets.

@@ -24,20 +24,28 @@ pub(super) fn rows(rows: &TouchRows) -> String {
     )
 }
 
-/// When each verdict is given.
-pub(super) fn decision(decision: &TouchDecision) -> String {
+/// When each verdict is given, by a model that needs this unknown share to call anything unknown; `None` if none is enough.
+pub(super) fn decision(decision: &TouchDecision, least_unknown_share: Option<f64>) -> String {
     let TouchDecision { nothing_above, unknown_share, cost_of_uncertain } = decision;
     let nothing = if *nothing_above < 1.0 {
         format!("A reading is called nothing above a probability of {nothing_above:.3}")
     } else {
-        "No reading is called nothing, because no training data are labelled `nothing`".into()
+        "No reading is called nothing, which takes a probability above 1".into()
     };
-    format!(
-        "{nothing}, an object unknown if at most {:.2} % of the \
-         known objects are as unlike, or a fifth of that in its first 0.6 s, and a category is named above a probability of {:.3}\n",
-        100.0 * unknown_share,
-        1.0 - cost_of_uncertain
-    )
+    let unknown = match least_unknown_share {
+        least if *unknown_share >= least.unwrap_or(1.0) => format!(
+            "an object unknown if at most {:.2} % of the known objects are as unlike, or a fifth of that in its first 0.6 s",
+            100.0 * unknown_share
+        ),
+        None => "no object unknown, because no auxiliary sets were trained on".into(),
+        Some(least) => {
+            let least = (1000.0 * least).ceil() / 1000.0;
+            format!(
+                "no object unknown, because with these training data that takes an --unknown-share of {least} or more"
+            )
+        }
+    };
+    format!("{nothing}, {unknown}, and a category is named above a probability of {:.3}\n", 1.0 - cost_of_uncertain)
 }
 
 fn number(value: Option<f64>) -> String {
@@ -45,7 +53,7 @@ fn number(value: Option<f64>) -> String {
 }
 
 /// The figures of an evaluation, and what was judged.
-pub(super) fn evaluation(report: &TouchReport) -> String {
+pub(super) fn evaluation(report: &TouchReport, least_unknown_share: Option<f64>) -> String {
     let figures = &report.figures;
     let parts = [
         objects(figures) + &unknown(&figures.unknown),
@@ -55,7 +63,8 @@ pub(super) fn evaluation(report: &TouchReport) -> String {
         first_right(figures),
         probabilities(figures),
     ];
-    parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n") + &judged(report)
+    parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
+        + &judged(report, least_unknown_share)
 }
 
 /// How well the stiffness of objects is told.
@@ -73,13 +82,16 @@ fn stiffness(figures: &[StiffnessFigures]) -> String {
 }
 
 /// What was cross-validated, or judged by one model, and how.
-fn judged(report: &TouchReport) -> String {
+fn judged(report: &TouchReport, least_unknown_share: Option<f64>) -> String {
     let reaches = report.reaches;
     if let Some(folds) = report.folds {
-        return format!("\n{reaches} reaches in {folds} folds; each fold is judged by a model fitted to the others\n");
+        let unknown = families(&[]);
+        return format!(
+            "\n{unknown}{reaches} reaches in {folds} folds; each fold is judged by a model fitted to the others\n"
+        );
     }
     let reaches = output::counted(reaches, "reach", "reaches");
-    report.decisions.iter().map(|own| format!("{reaches}. {}", decision(own))).collect()
+    report.decisions.iter().map(|own| format!("{reaches}. {}", decision(own, least_unknown_share))).collect()
 }
 
 /// How well unknown objects are found, by the model's own decision.

@@ -117,7 +117,8 @@ fn frames_on_standard_input_are_answered_alike() {
     assert_eq!(twice[..50], twice[51..]);
 }
 
-/// Tests that frames at another rate than those of the training are warned of, in a recording and on standard input.
+/// Tests that frames at another rate than those of the training are warned of, in a recording and on standard input, for a model
+/// that does not say its rate, and where `evaluate` fits the model.
 #[test]
 fn another_rate_is_warned_of() {
     let folder = tempfile::tempdir().unwrap();
@@ -136,13 +137,35 @@ fn another_rate_is_warned_of() {
         for answer in [
             underbrush!["classify", model(), path],
             underbrush!["classify", naive, path],
+            underbrush!["score", naive, path],
             underbrush!["evaluate", path, "--model", model()],
+            underbrush!["evaluate", path, "--train", fixture().dataset(), "--classifier", "peak-force"],
             underbrush!["replay", path, "--model", model(), "--out", folder.path().join("page.html"), "--force"],
             call(vec!["classify".into(), naive.clone().into(), "-".into()], &stream),
         ] {
             let found = answer.stderr.contains("frames at 50 Hz, but the model was fitted to frames at 100 Hz");
             assert_eq!(found, warns, "{}", answer.stderr);
         }
+    }
+    // Models of data sets without a rate are of early builds, which made sets of 100 Hz only.
+    let mut early = read(&naive);
+    early["provenance"]["data"][0].as_object_mut().unwrap().remove("rate_hz").unwrap();
+    early.as_object_mut().unwrap().remove("blake3");
+    std::fs::write(&naive, early.to_string()).unwrap();
+    // What is fitted and tested at once has one rate, too. One fold is refused after that.
+    let set = fixture().dataset();
+    for (answer, warning) in [
+        (underbrush!["classify", naive, slow], "frames at 50 Hz, but the model was fitted to frames at 100 Hz"),
+        (
+            underbrush!["evaluate", slow, "--train", set, "--classifier", "peak-force"],
+            "frames at 50 Hz, but the model was fitted to frames at 100 Hz",
+        ),
+        (
+            underbrush!["evaluate", set, slow, "--classifier", "touch", "--folds", "1"],
+            "the model is fitted to frames at 100 Hz and at 50 Hz",
+        ),
+    ] {
+        assert!(answer.stderr.contains(warning), "{}", answer.stderr);
     }
 }
 

@@ -1,6 +1,6 @@
 //! `evaluate` with the classifier `touch`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Value, json};
 use underbrush_recording::disk::read_recording;
@@ -79,6 +79,13 @@ fn reaches_are_cross_validated() {
         truths.map(|own| own["taxel_frames"].clone()).collect()
     };
     assert_eq!(frames(&cross), frames(&stored));
+    // Which objects there are does not depend on the model.
+    let objects = |found: &Value| -> BTreeSet<String> {
+        let objects = found["objects"].as_array().unwrap().iter();
+        objects.map(|own| json!([own["reach"], own["object"], own["peak_force_n"]]).to_string()).collect()
+    };
+    assert_eq!(objects(&cross), objects(&stored));
+    assert!(objects(&cross).len() > 1);
     assert_eq!((&cross["folds"], cross["decisions"].as_array().unwrap().len()), (&json!(2), 2));
     assert_eq!(cross["contacts_at_end"]["trials"], stored["contacts_at_end"]["trials"]);
     assert!(stored["folds"].is_null() && cross["unknown"]["unknown_objects"] == 0);
@@ -99,8 +106,28 @@ fn reaches_are_cross_validated() {
         "Spurious readings called nothing",
         "Expected calibration error",
         "Unknown objects: - (0 of 0) found at the end",
+        "Trained without --auxiliary, so nothing is called unknown",
         "4 reaches in 2 folds",
     ] {
+        assert!(text.contains(part), "no {part:?} in:\n{text}");
+    }
+}
+
+/// Tests that the text says which verdicts are never given with a decision, and why.
+#[test]
+fn verdicts_that_are_never_given_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = recording(folder.path());
+    let own = model().display().to_string();
+    let shipped = concat!(env!("CARGO_MANIFEST_DIR"), "/suites/touch.json").to_owned();
+    for (model, option, value, part) in [
+        (&own, "--nothing-above", "1", "No reading is called nothing, which takes a probability above 1, no object"),
+        (&own, "--unknown-share", "0.9", "no object unknown, because no auxiliary sets were trained on"),
+        (&own, "--unknown-share", "1", "an object unknown if at most 100.00 % of the known objects"),
+        (&shipped, "--unknown-share", "0.001", "that takes an --unknown-share of 0.002 or more"),
+        (&shipped, "--unknown-share", "0.002", "an object unknown if at most 0.20 % of the known objects"),
+    ] {
+        let text = underbrush!["evaluate", path, "--model", model, option, value].success();
         assert!(text.contains(part), "no {part:?} in:\n{text}");
     }
 }

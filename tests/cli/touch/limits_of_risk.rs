@@ -15,6 +15,12 @@ fn limits_of_risk_choose_the_decision() {
         |limit: &str| underbrush!["train", data, "--classifier", "touch", "--limit-wrong", limit, "--out", model];
     train("0.05").refused(&["6 reaches cannot show that at most 0.05", "19 reaches or more"]);
     assert!(!model.exists());
+    // Three of the six reaches are in each fold.
+    let folds = underbrush!["evaluate", data, "--classifier", "touch", "--limit-wrong", "0.2"];
+    folds.refused(&[
+        "3 reaches cannot show that at most 0.2",
+        "4 reaches or more to fit to (cross-validation leaves a fold out)",
+    ]);
     train("0.2").success();
     let decision = &read(&model)["decision"];
     let usual = &read(&TRAINED.0)["decision"];

@@ -101,6 +101,12 @@ impl UnknownObjects {
         calibrations.iter().map(|own| own.all.beyond(unlike)).fold(0.0, f64::max)
     }
 
+    /// The least share that an object can have in each stage. There are only so many held-out objects.
+    pub(in crate::touch) fn least_shares(&self) -> impl Iterator<Item = f64> {
+        let of_category = |own: &Calibration| own.all.beyond(f64::INFINITY);
+        self.stages.iter().map(move |own| own.iter().map(of_category).fold(0.0, f64::max))
+    }
+
     pub(in crate::touch) fn is_sound(&self, categories: usize) -> bool {
         let calibration = |own: &Calibration| {
             own.families.len() == self.families.len() && own.families.iter().chain([&own.all]).all(Shares::is_sound)
@@ -181,5 +187,16 @@ mod tests {
     fn few_objects_prove_little() {
         assert!(Shares::of(vec![0.0; 9]).beyond(1.0) >= 0.1);
         assert_eq!(Shares::of(Vec::new()).beyond(1.0), 1.0);
+    }
+
+    /// Tests that the least share of each stage is that of the category with the fewest objects: 111 are enough for less than
+    /// 1 %, 20 for less than 5 %, and 19 are not.
+    #[test]
+    fn the_least_share_follows_from_the_number_of_objects() {
+        let objects = |count: usize| (0..count).map(|index| vec![index as f64]).collect::<Vec<_>>();
+        let stage = |fewest: usize| Calibration::of(&[objects(200), objects(fewest)], 1);
+        let unknown = UnknownObjects { families: Vec::new(), stages: [111, 20, 19].map(stage) };
+        let least: Vec<f64> = unknown.least_shares().collect();
+        assert!(least[0] < 0.01 && (0.01..0.05).contains(&least[1]) && least[2] > 0.05, "{least:?}");
     }
 }

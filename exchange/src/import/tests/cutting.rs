@@ -151,6 +151,8 @@ fn channels_follow_the_taxels() {
     assert!(of_text.warnings[0].contains("channel temperature has no number"));
     for (bad, field) in [
         (channel("force_n", "heat"), "channel[0].name"),
+        (channel("shear+heat", "heat"), "channel[0].name"),
+        (channel(" heat", "heat"), "channel[0].name"),
         (channel("shear", "heat") + &channel("shear", "heat"), "channel[1].name"),
         (channel("shear", "x{taxel}"), "channel[0].from"),
     ] {

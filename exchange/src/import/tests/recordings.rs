@@ -75,6 +75,14 @@ fn what_is_no_recording_is_refused() {
         (LOG.into(), TAXELS.replace("area_m2", "area"), ["columns: found x_m", "normal_z, area_m2"]),
         (LOG.into(), TAXELS.replace("0.01", "far"), ["x_m: found \"far\"", "a number up to 5"]),
         (LOG.into(), TAXELS.replace("0.01", "10"), ["x_m: found \"10\"", "a number up to 5"]),
+        (LOG.into(), TAXELS.replace("\n0.01", "\n\nfar"), ["taxels.csv:4: x_m", "found \"far\""]),
+        (LOG.into(), format!("{TAXELS}\n0,0\n"), ["taxels.csv:5: CSV: found 2 cells", "7 cells, as in the header"]),
+        (
+            LOG.replace("0,5.03", "0,9").replace("0,5.04", "0,9.01"),
+            TAXELS.into(),
+            ["log.csv:5: time", "from 5.02 to 9 s"],
+        ),
+        (LOG.lines().take(1).collect(), TAXELS.into(), ["CSV: found a header without rows", "a row for each frame"]),
     ] {
         let log: String = log;
         let error = recorded(&log, &taxels, MAPPING).unwrap_err().to_string();
@@ -145,6 +153,20 @@ fn a_given_rate_places_short_reaches() {
     let (header, others) = slow.split_once('\n').unwrap();
     let found = recorded(&format!("{header}\n{first}{others}"), TAXELS, &still).unwrap();
     assert!(found.warnings[0].starts_with("reach 0 seems to have frames at 50 Hz"), "{:?}", found.warnings);
+}
+
+/// Tests the warnings about a rate at which half of the frames are missing, and about times in another unit.
+#[test]
+fn doubtful_times_are_warned_of() {
+    let warnings = |step_s: f64, time: &str| {
+        let row = |frame: u32| format!("0,{},0.5,0,1,2,3,0,0,0,1,leaf\n", step_s * f64::from(frame));
+        let log = format!("{}\n{}", LOG.lines().next().unwrap(), (0..20).map(row).collect::<String>());
+        recorded(&log, TAXELS, &MAPPING.replace("[time]", time)).unwrap().warnings
+    };
+    assert!(warnings(0.02, "[time]").is_empty());
+    assert!(warnings(0.02, "[time]\nrate_hz = 100")[0].starts_with("19 of 39 frames"));
+    assert!(warnings(20.0, "[time]")[0].contains("has 0.05 frames per second"));
+    assert!(warnings(0.02, "[time]\nunit = \"ms\"")[0].contains("has 50000 frames per second"));
 }
 
 /// Tests the warnings about poses in millimetres, which the speed of the skin gives away, and about channels, which recordings

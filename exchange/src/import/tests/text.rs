@@ -90,7 +90,8 @@ fn raw_readings_are_scaled() {
 fn a_wrong_mapping_is_refused_by_line_and_field() {
     let (_folder, path) = file("log.csv");
     written(&path, LOG);
-    let changes: [(&str, &str, usize, &str, &str); 13] = [
+    let long = format!("patch = \"{}\"", "p".repeat(1001));
+    let changes: [(&str, &str, usize, &str, &str); 15] = [
         ("unit = \"mN\"", "unit = \"N/m\"", 7, "force.unit", "N, mN, kN, gf, kgf, lbf"),
         ("unit = \"ms\"", "unit = \"min\"", 3, "time.unit", "s, ms, us, ns"),
         ("from = \"stamp\"", "from = \"t\"", 2, "time.from", "run, stamp, left, ft_0, ft_1, label"),
@@ -104,6 +105,8 @@ fn a_wrong_mapping_is_refused_by_line_and_field() {
         ("threshold_n = 0.1", "treshold_n = 1", 10, "mapping, trial.treshold_n", "underbrush schema mapping"),
         ("patch = \"palm\"", "category = \"leaf\"", 11, "trial.category_from", "one of"),
         ("patch = \"palm\"", "patch = \"left/palm\"", 9, "trial.patch", "a name without `/`"),
+        ("patch = \"palm\"", "patch = \"\\u001b\"", 9, "trial.patch", "control characters"),
+        ("patch = \"palm\"", &long, 9, "trial.patch", "1 to 1000 bytes"),
     ];
     for (before, after, line, field, allowed) in changes {
         assert!(MAPPING.contains(before));
@@ -126,7 +129,7 @@ fn wrong_data_are_refused_by_line() {
         ("0, 1020", "0, 1010", 4, "time", "more than 1.01"),
         ("1, 1000", "-1, 1000", 7, "run", "a whole number"),
         ("40, 125", "4e9, 125", 8, "force of taxel 0", "-1 to 10000 N"),
-        ("0, 1030, x, 0, 125, leaf", "0, 1030", 5, "CSV", "as many cells"),
+        ("0, 1030, x, 0, 125, leaf", "0, 1030", 5, "CSV", "6 cells, as in the header"),
     ];
     for (before, after, line, field, allowed) in changes {
         assert!(LOG.contains(before));
@@ -147,15 +150,54 @@ fn wrong_data_are_refused_by_line() {
     assert_eq!(refused(&text, MAPPING).field, "file name");
 }
 
-/// Tests that an empty log, and one without commas, are refused as such.
+/// Tests that an empty log, one without commas, and a header alone are refused as such.
 #[test]
-fn a_log_without_commas_is_refused() {
+fn a_log_without_commas_or_rows_is_refused() {
     let (_folder, path) = file("log.csv");
-    for (text, found) in
-        [("", "an empty file"), ("time;f0\n0;1\n", "one column, \"time;f0\""), ("time\tf0\n0\t1\n", "one column")]
-    {
+    for (text, found, allowed) in [
+        ("", "an empty file", "commas"),
+        ("time;f0\n0;1\n", "one column, \"time;f0\"", "commas"),
+        ("time\tf0\n0\t1\n", "one column", "commas"),
+        ("time,f0\n", "a header without rows", "a row for each frame"),
+    ] {
         written(&path, text);
         let error = refused(&path, "[time]\nfrom = \"time\"\n[force]\nfrom = \"f0\"\n");
-        assert!(error.file == path && error.found.starts_with(found) && error.allowed.contains("commas"), "{error}");
+        assert!(error.file == path && error.found.starts_with(found) && error.allowed.contains(allowed), "{error}");
     }
+}
+
+/// Tests that comments above the header are passed over and rows keep their numbers, that the name of the first column may begin
+/// with `#`, and that a header which is missing or a comment is said to be missing.
+#[test]
+fn comments_above_the_header_are_passed_over() {
+    let (_folder, path) = file("log.csv");
+    for comments in ["# palm, left\n", "\u{feff}# a\r\n\r\n  # b,\"c\n", "#\n#,\"\n"] {
+        written(&path, &format!("{comments}{LOG}"));
+        assert_eq!(imported(&path, MAPPING).unwrap().frames, 6, "{comments:?}");
+        written(&path, &format!("{comments}{}", LOG.replace("40, 125", "4,5, 125")));
+        assert_eq!(refused(&path, MAPPING).line, Some(8 + comments.matches('\n').count()), "{comments:?}");
+    }
+    written(&path, &LOG.replacen("run", "#", 1));
+    assert_eq!(imported(&path, &MAPPING.replace("\"run\"", "\"#\"")).unwrap().frames, 6);
+    let rows = LOG.split_once('\n').unwrap().1;
+    for (text, line) in [(format!("# {LOG}"), 2), (rows.to_owned(), 1)] {
+        written(&path, &text);
+        let error = refused(&path, MAPPING);
+        assert_eq!((error.line, error.field.as_str()), (Some(line), "header"), "{error}");
+        assert!(error.found.starts_with("numbers: 0, 1000") && error.remedy.contains("\"ft_0\""), "{error}");
+    }
+}
+
+/// Tests that reaches may be numbered as programs write them that know only floating point, that a taxel which the mapping leaves
+/// out is warned of, and that the remedy for a missing key is to add it.
+#[test]
+fn what_a_mapping_leaves_out_is_said() {
+    let (_folder, path) = file("log.csv");
+    written(&path, &LOG.replace("\n0, ", "\n0.0, ").replace("\n1, ", "\n1e0, "));
+    let found = imported(&path, &MAPPING.replace("taxels = 2", "taxels = 1")).unwrap();
+    assert_eq!(found.reaches, 2);
+    assert!(found.warnings[0].contains("\"ft_1\" is left out"), "{:?}", found.warnings);
+    assert!(refused(&path, &MAPPING.replace("taxels = 2", "")).remedy.starts_with("add `taxels` to [force] in"));
+    written(&path, &LOG.replace("\n0, ", "\n0.5, "));
+    assert_eq!(refused(&path, MAPPING).field, "run");
 }

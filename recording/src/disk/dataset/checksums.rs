@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::info::read_json;
 use super::names;
-use crate::disk::files::{is_there, metadata, open_input, write_json};
+use crate::disk::files::{is_folder, json_bytes, metadata, open_input, write_bytes};
 use crate::{DiskError, InputError};
 
 /// The remedy for a damaged data set.
@@ -77,7 +77,8 @@ impl Checksums {
         Ok(())
     }
 
-    /// Reads the list and checks it against its own hash.
+    /// Reads the list and checks it against its own hash. As nothing else has a hash of this file, its bytes must be those
+    /// that [`Checksums::write`] writes.
     pub(crate) fn read(dir: &Path) -> Result<Self, DiskError> {
         let path = dir.join(names::CHECKSUMS);
         let ChecksumFile { blake3, files } = read_json(&path)?;
@@ -85,13 +86,22 @@ impl Checksums {
         if found != blake3 {
             return Err(InputError::new(path, "blake3", format!("{found} of the list"), blake3, REMEDY).into());
         }
+        if FileSum::of_file(&path)? != FileSum::of_bytes(&files.file_bytes(&path)?) {
+            let found = "the right list in other bytes";
+            return Err(InputError::new(path, "file", found, "the bytes that underbrush writes", REMEDY).into());
+        }
         Ok(files)
     }
 
     /// Writes the list with its own hash.
     pub(crate) fn write(&self, dir: &Path) -> Result<(), DiskError> {
-        let file = ChecksumFile { blake3: self.hash_of(|_| true), files: self.clone() };
-        write_json(&dir.join(names::CHECKSUMS), &file)
+        let path = dir.join(names::CHECKSUMS);
+        write_bytes(&path, &self.file_bytes(&path)?)
+    }
+
+    /// The bytes of the file at a path.
+    fn file_bytes(&self, path: &Path) -> Result<Vec<u8>, DiskError> {
+        json_bytes(path, &ChecksumFile { blake3: self.hash_of(|_| true), files: self.clone() })
     }
 
     /// Hash of the lines of some of the files, hexadecimal.
@@ -117,9 +127,7 @@ impl Checksums {
     pub(crate) fn check_listing(&self, dir: &Path) -> Result<(), DiskError> {
         self.names().try_for_each(|name| self.check_size(dir, name).map(drop))?;
         for name in files_of_set(dir)? {
-            // Readers of data sets ignore hidden files, and file managers leave some behind.
-            let hidden = name.split('/').any(|part| part.starts_with('.'));
-            if !(hidden || name == names::CHECKSUMS || self.has(&name)) {
+            if !(names::is_hidden(&name) || name == names::CHECKSUMS || self.has(&name)) {
                 let remedy = "remove the file if it is yours, or copy the data set again";
                 let found = "a file that meta/checksums.json does not list";
                 let allowed = "only the files of the data set";
@@ -159,7 +167,7 @@ impl Checksums {
 pub(crate) fn files_of_set(dir: &Path) -> Result<Vec<String>, DiskError> {
     let mut names = Vec::new();
     for folder in names::FOLDERS {
-        if is_there(&dir.join(folder))? {
+        if is_folder(&dir.join(folder))? {
             names.extend(files_below(dir, folder)?);
         }
     }

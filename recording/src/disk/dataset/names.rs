@@ -18,6 +18,24 @@ pub(crate) const PLAN: &str = "incomplete/plan.json";
 pub(crate) const ASSEMBLED: &str = "incomplete/assembled.bin";
 pub(crate) const LOCK: &str = "incomplete/lock";
 
+/// Whether a path within a set is that of a hidden file. File managers leave such files behind, and readers of data sets ignore
+/// them.
+pub(crate) fn is_hidden(name: &str) -> bool {
+    name.split('/').any(|part| part.starts_with('.'))
+}
+
+/// Whether a path in the [`FOLDERS`] of a set is one that this program gives to a file.
+pub(crate) fn is_own(name: &str) -> bool {
+    let numbered = |part: &str, begin: &str, end: &str| {
+        let digits = part.strip_prefix(begin).and_then(|rest| rest.strip_suffix(end));
+        digits.is_some_and(|digits| !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit()))
+    };
+    match name.rsplit('/').collect::<Vec<_>>()[..] {
+        [file, chunk, _, ..] => numbered(file, "file-", ".parquet") && numbered(chunk, "chunk-", ""),
+        _ => [INFO, STATS, TASKS, TAXELS, PROVENANCE, CHECKSUMS].contains(&name),
+    }
+}
+
 /// The path of one file of a table with many files.
 pub(crate) fn table(table: &Table, chunk: usize, file: usize) -> String {
     format!("{}/chunk-{chunk:03}/file-{file:03}.parquet", table.path)

@@ -325,9 +325,15 @@ fn the_list_of_checksums_cannot_be_changed_unnoticed() {
         fs::write(&list, edited.to_string()).unwrap();
         assert_eq!(input_error(Dataset::open(folder.path())).file, list, "{what}");
     }
+    // The same list in other bytes.
+    for other in [format!("{whole}\n"), whole.replacen("  ", "   ", 1), stored.to_string()] {
+        fs::write(&list, other).unwrap();
+        let error = input_error(Dataset::open(folder.path()));
+        assert_eq!((&error.file, error.found.as_str()), (&list, "the right list in other bytes"));
+    }
     // A file that is not in the list is found even if the list matches its own hash.
     let hash = blake3::hash(b"").to_hex().to_string();
-    fs::write(&list, serde_json::json!({"blake3": hash, "files": {}}).to_string()).unwrap();
+    fs::write(&list, format!("{:#}\n", serde_json::json!({"blake3": hash, "files": {}}))).unwrap();
     let error = input_error(Dataset::open(folder.path()));
     assert_eq!(error.found, "a file that meta/checksums.json does not list");
     fs::write(&list, &whole).unwrap();

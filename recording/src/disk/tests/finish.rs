@@ -3,7 +3,7 @@ use std::{fs, thread};
 
 use super::Change;
 use super::dataset::{begin, contents, copy, make, plan, recordings, scene_text};
-use crate::disk::{DatasetPlan, DatasetWriter, FileText};
+use crate::disk::{DatasetPlan, DatasetWriter, FileText, make_room};
 use crate::{DiskError, Recording};
 
 /// Tests that reaches staged in reverse order, or by three threads at once, give the same bytes.
@@ -164,6 +164,49 @@ fn a_folder_that_holds_something_else_is_left_alone() {
     fs::write(crashed.join("incomplete/.underbrush-unfinished-x"), "{").unwrap();
     make(&crashed);
     assert_eq!(contents(&crashed), contents(&finished));
+}
+
+/// Tests that a file that somebody has put into a folder of the set is not removed when the set is continued, assembled or
+/// overwritten, and that the error names it. Hidden files, which file managers leave behind, are removed.
+#[test]
+fn files_of_others_in_a_set_are_not_removed() {
+    for name in ["data/notes.txt", "meta/episodes.jsonl", "truth/taxels/chunk-000/file-000.parquet.bak"] {
+        let folder = tempfile::tempdir().unwrap();
+        let (dir, file) = (folder.path().join("set"), folder.path().join("set").join(name));
+        let writer = begin(&dir, false);
+        for (position, recording) in recordings().iter().enumerate() {
+            writer.stage(position, recording).unwrap();
+        }
+        for place in [&file, &dir.join("data/.directory")] {
+            fs::create_dir_all(place.parent().unwrap()).unwrap();
+            fs::write(place, "precious").unwrap();
+        }
+        let before = contents(&dir);
+        let refused = |error: DiskError| match error {
+            DiskError::Input(error) => assert_eq!(error.file, file),
+            other => panic!("{name}: {other:?}"),
+        };
+        refused(writer.finish().unwrap_err());
+        refused(DatasetWriter::create(&dir, plan(), true).unwrap_err());
+        refused(make_room(&dir, true).unwrap_err());
+        assert_eq!(contents(&dir), before, "{name}");
+        fs::remove_file(&file).unwrap();
+        begin(&dir, true).finish().unwrap().verify().unwrap();
+        assert!(!dir.join("data/.directory").exists());
+        fs::create_dir_all(file.parent().unwrap()).unwrap();
+        fs::write(&file, "precious").unwrap();
+        let before = contents(&dir);
+        refused(make_room(&dir, true).unwrap_err());
+        assert_eq!(contents(&dir), before, "{name}");
+        fs::remove_file(&file).unwrap();
+        make_room(&dir, true).unwrap();
+        assert!(contents(&dir).is_empty(), "{name}");
+        // A hidden file beside the set is in nobody's way, and stays.
+        fs::write(dir.join(".gitattributes"), "*.parquet filter=lfs\n").unwrap();
+        make(&dir);
+        make_room(&dir, true).unwrap();
+        assert_eq!(contents(&dir).len(), 1, "{name}");
+    }
 }
 
 /// Tests that resuming with other options cannot mix two campaigns, and that the error names the difference.

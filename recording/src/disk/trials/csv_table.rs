@@ -10,31 +10,19 @@ use crate::fault::line_of_row;
 use crate::limits::CSV_BYTES;
 use crate::{DiskError, InputError, Trial, read_bytes};
 
-/// Converts an error of the CSV parser, which reads from memory.
-fn refused(path: &Path, text: &[u8], error: csv::Error) -> DiskError {
-    let line = error.position().map(|position| line_of_row(text, position));
-    let (found, allowed) = match error.into_kind() {
-        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-            (format!("{len} cells"), format!("{expected_len} cells, as in the header"))
-        }
-        csv::ErrorKind::Utf8 { .. } => ("bytes that are not UTF-8".into(), "UTF-8 text".to_string()),
-        other => (format!("{other:?}"), "CSV with a header line".to_string()),
-    };
-    let remedy = "correct the line, or save the table again as CSV in UTF-8";
-    InputError::new(path, "row", found, allowed, remedy).at_line(line).into()
-}
-
 /// Reads a table.
 pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
     let text = read_bytes(path, &CSV_BYTES, "a readable file", "check the path")?;
+    let remedy = "correct the line, or save the table again as CSV in UTF-8";
+    let refused = |error: csv::Error| InputError::of_csv(path, "row", &text, error, remedy);
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_slice());
-    let header = reader.headers().map_err(|error| refused(path, &text, error))?;
+    let header = reader.headers().map_err(refused)?;
     let names: Vec<String> = header.iter().map(str::to_owned).collect();
     let places = place_columns(path, &names)?;
     let others = channel_columns(&names);
     let mut collector = Collector::default();
     let mut record = csv::StringRecord::new();
-    while reader.read_record(&mut record).map_err(|error| refused(path, &text, error))? {
+    while reader.read_record(&mut record).map_err(refused)? {
         let cell = |place: Option<usize>| match place.and_then(|place| record.get(place)) {
             None | Some("") => Cell::Missing,
             Some(text) => Cell::Text(text),

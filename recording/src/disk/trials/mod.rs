@@ -15,11 +15,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 pub use parquet_table::trial_table;
+pub use rows::whole_number;
 
 use super::DiskError;
 use super::check::{Violation, require};
 use super::files::remove_leftovers;
-use super::table::{Column, Field, Row, Text, row};
+use super::table::{Column, EPISODE_COLUMN, Field, Row, Text, row};
 use crate::disk::tables::dictionary::{Table, table};
 use crate::{Category, InputError, PLAIN, Trial, distinct, is_plain};
 
@@ -120,12 +121,16 @@ fn place_columns(path: &Path, names: &[String]) -> Result<[Option<usize>; COLUMN
             return Err(error(column, "two such columns".into(), "rename or delete one of them"));
         }
         if place.is_none() && REQUIRED.contains(&column) {
-            let (found, remedy) = match names.join(", ") {
-                none if none.is_empty() => {
-                    ("no columns".into(), "check the file: its first line must name the columns")
+            let joined = names.join(", ");
+            let remedy = match joined.as_str() {
+                "" => "check the file: its first line must name the columns",
+                _ if joined.contains([';', '\t']) => "save the table with commas between its cells",
+                _ if names.iter().any(|name| name == EPISODE_COLUMN) => {
+                    "give the folder of the data set if this is one of its files, or rename the right column"
                 }
-                names => (format!("only the columns {names}"), "rename the right column; names are case-sensitive"),
+                _ => "rename the right column; names are case-sensitive",
             };
+            let found = if joined.is_empty() { "no columns".into() } else { format!("only the columns {joined}") };
             return Err(error(column, found, remedy));
         }
     }

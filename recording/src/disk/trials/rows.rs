@@ -11,6 +11,16 @@ use crate::{Category, Channels, InputError, PLAIN, Region, Sample, Trial, is_pla
 /// A double holds every whole number up to this one.
 const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
 
+/// The whole number that a text holds. `3.0` is allowed, because pandas converts integer columns with gaps to floating point.
+pub fn whole_number(text: &str) -> Option<i128> {
+    let text = text.trim();
+    text.parse().ok().or_else(|| text.parse().ok().and_then(whole))
+}
+
+fn whole(number: f64) -> Option<i128> {
+    (number.abs() <= LARGEST_EXACT && number.fract() == 0.0).then_some(number as i128)
+}
+
 /// The content of a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Cell<'a> {
@@ -77,19 +87,17 @@ impl<'a> Cells<'a> {
         self.present(column, number, format_args!("a number from {limits}"))
     }
 
-    /// A whole number. `3.0` is allowed, because pandas converts integer columns with gaps to floating point.
+    /// A whole number of a type without sign; see [`whole_number`].
     fn whole<T: TryFrom<i128>>(&self, column: usize) -> Result<Option<T>, InputError> {
-        let of_float = |number: f64| (number.abs() <= LARGEST_EXACT && number.fract() == 0.0).then_some(number as i128);
         let number = match self.cells[column] {
             Cell::Whole(number) => Some(number),
-            Cell::Number(number) => of_float(number),
+            Cell::Number(number) => whole(number),
             Cell::Missing | Cell::Flag(_) => None,
-            Cell::Text(text) => {
-                let text = text.trim();
-                text.parse().ok().or_else(|| text.parse().ok().and_then(of_float))
-            }
+            Cell::Text(text) => whole_number(text),
         };
-        self.present(column, number.and_then(|number| T::try_from(number).ok()), "a whole number, 0 or more")
+        let most = u64::MAX >> (u64::BITS as usize - 8 * size_of::<T>());
+        let number = number.and_then(|number| T::try_from(number).ok());
+        self.present(column, number, format_args!("a whole number from 0 to {most}"))
     }
 
     fn text(&self, column: usize) -> Result<Option<String>, InputError> {

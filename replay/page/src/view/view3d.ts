@@ -121,7 +121,8 @@ export class View3D {
     this.#path.load(reach);
     // Of a log, nobody knows where the hand is.
     this.#path.visible = !reach.isLog;
-    const feet = reach.header.objects.map((object) => object.position_world[2]!);
+    // Of a log, nobody knows where the objects stand either.
+    const feet = reach.isLog ? [] : reach.header.objects.map((object) => object.position_world[2]!);
     const height = feet.length > 0 ? Math.min(...feet) : null;
     this.#grid = new GridHelper(GROUND.side_m, 20);
     this.#grid.rotation.x = Math.PI / 2;

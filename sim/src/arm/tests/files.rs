@@ -45,7 +45,7 @@ fn bad_values_are_refused_with_their_place() {
         ("cody.toml", "tip_link = \"flipper_tip\"", "tip_link = \"hand\"", "tip_link", "hand"),
         ("cody.toml", "tip_link = \"flipper_tip\"", "tip_link = \"forearm\"", "tip_link", "flipper, flipper_tip"),
         ("cody.toml", "tip_link = \"flipper_tip\"", "tip_link = \"torso\"", "tip_link", "the last moving link"),
-        ("cody.toml", "base_link = \"torso\"", "base_link = \"pelvis\"", "link pelvis", "no such link"),
+        ("cody.toml", "base_link = \"torso\"", "base_link = \"pelvis\"", "base_link", "torso, upper_arm"),
         ("cody.toml", "base_link = \"torso\"", "base_link = \"flipper\"", "link flipper", "no moving joint"),
         ("cody.toml", "link = \"flipper\"", "link = \"paddle\"", "hull[0].link", "paddle"),
         ("cody.toml", "urdf = \"cody.urdf\"", "urdf = \"other.urdf\"", "file", "no such file"),
@@ -115,6 +115,7 @@ fn errors_name_the_line() {
         ("cody.toml", "damping_nm_s_per_rad = 1.43", "damping_nm_s_per_rad = -1.43"),
         ("cody.toml", "start_deg = 122.0", "start_deg = 1220.0"),
         ("cody.toml", "tip_link = \"flipper_tip\"", "tip_link = \"nowhere\""),
+        ("cody.toml", "base_link = \"torso\"", "base_link = \"nowhere\""),
         (
             "cody.urdf",
             "<link name=\"elbow\">",

@@ -230,8 +230,8 @@ fn joints_beyond_their_limits_do_not_stop_the_arm() {
 
 #[test]
 fn blind_is_the_same_controller_without_skin() {
-    // Tests that the baseline answers as the same controller does without contacts, and that every name gives the
-    // controller of that name.
+    // Tests that the baseline answers as the same controller does without contacts, whatever its parameters, and that every
+    // name gives the controller of that name.
     let arm = Arm::cody().unwrap();
     let mut situation = Situation::at(&arm, &middle());
     situation.goal_position_world += DVec3::new(0.1, 0.0, 0.1);
@@ -240,6 +240,7 @@ fn blind_is_the_same_controller_without_skin() {
     situation.press(0, 12, 20.0);
     let blind = ControllerKind::Blind;
     assert_eq!(situation.step(blind.controller(blind.preset(), &arm).as_mut()), free);
+    assert_eq!(situation.step(blind.controller(preset.clone(), &arm).as_mut()), free);
     assert_ne!(situation.step(&mut ModelPredictive::new(preset, &arm)), free);
     for name in ControllerKind::names() {
         let kind = ControllerKind::from_name(name).unwrap();

@@ -12,7 +12,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::folder::Staging;
+use super::folder::{Staging, require_own_files};
 use super::packed::Assembled;
 use super::statistics::Statistics;
 use super::table_files::{FurtherColumns, TableFiles};
@@ -83,6 +83,8 @@ pub(crate) fn assemble_from(
     let features = features(FRAME_COLUMNS, &plan.joint_names, &plan.layout);
     let begun = || Assembled { statistics: Statistics::new(&features), ..Assembled::default() };
     let mut assembled = Assembled::read(dir)?.unwrap_or_else(begun);
+    // Once more, as simulating the reaches may have taken days.
+    require_own_files(dir)?;
     // What an earlier, killed attempt has left, except complete files.
     for name in files_of_set(dir)?.iter().filter(|name| !assembled.checksums.has(name)) {
         remove_if_there(&dir.join(name))?;

@@ -7,11 +7,12 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use crate::disk::dataset::checksums::files_of_set;
 use crate::disk::dataset::info::{MEGABYTES_PER_FILE, read_json};
 use crate::disk::dataset::plan::first_difference;
 use crate::disk::dataset::{Dataset, DatasetPlan, names};
 use crate::disk::files::{
-    TEMPORARY_PREFIX, check_not_input, is_there, json_bytes, metadata, remove_if_there, sync_folder, write_new_bytes,
+    TEMPORARY_PREFIX, is_there, json_bytes, metadata, remove_if_there, sync_folder, write_new_bytes,
 };
 use crate::{DiskError, InputError};
 
@@ -76,7 +77,7 @@ pub(crate) fn look(dir: &Path) -> Result<Folder, DiskError> {
     }
     // A crash before the plan was written leaves the lock file, and perhaps a temporary file, in `incomplete`.
     let ours = |file: &str| file == "lock" || file.starts_with(TEMPORARY_PREFIX);
-    let empty = match list(dir)?.as_slice() {
+    let empty = match shown(dir)?.as_slice() {
         [] => true,
         [only] if only == names::INCOMPLETE => list(&dir.join(names::INCOMPLETE))?.iter().all(|file| ours(file)),
         _ => false,
@@ -95,6 +96,11 @@ pub(crate) fn list(folder: &Path) -> Result<Vec<String>, DiskError> {
     entries.map(name).collect::<std::io::Result<_>>().map_err(DiskError::io(folder, "read"))
 }
 
+/// The same without hidden ones, which may lie beside a data set.
+fn shown(folder: &Path) -> Result<Vec<String>, DiskError> {
+    Ok(list(folder)?.into_iter().filter(|name| !names::is_hidden(name)).collect())
+}
+
 /// Stores the plan. If there is one already, it must be the same.
 pub(crate) fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
     let path = dir.join(names::PLAN);
@@ -108,6 +114,15 @@ pub(crate) fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskErro
 pub(crate) fn require_same_set(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
     let stored = serde_json::to_value(Dataset::open(dir)?.plan()).map_err(DiskError::io(dir, "compare"))?;
     require_same(dir, &stored, plan)
+}
+
+/// Refuses files in the folders of the set that this program did not write. They would be removed with leftovers.
+pub(crate) fn require_own_files(dir: &Path) -> Result<(), DiskError> {
+    let foreign = |name: &String| !(names::is_own(name) || names::is_hidden(name));
+    let Some(name) = files_of_set(dir)?.into_iter().find(foreign) else { return Ok(()) };
+    let remedy = "move the file away, or choose another folder for the data set";
+    let found = "a file that underbrush did not write";
+    Err(InputError::new(dir.join(name), "file", found, "only the files of the data set", remedy).into())
 }
 
 /// The lock file of a folder. It is removed after the plan, so all processes open the same file while there is a plan.
@@ -137,14 +152,13 @@ fn require_same(dir: &Path, stored: &Value, plan: &DatasetPlan) -> Result<(), Di
     }
 }
 
-/// Makes room for a data set in a folder that is not one of the inputs: with `force`, removes the one that is there, finished
-/// or not. Where there is none, nothing is removed. Without `force` the writer of the set refuses the folder.
+/// Makes room for a data set in a folder: with `force`, removes the one that is there, finished or not. Where there is none,
+/// nothing is removed. Without `force` the writer of the set refuses the folder.
 ///
 /// # Errors
-/// [`DiskError::Input`] for one of the inputs, or if the folder holds anything else, which then stays, as does the set;
-/// [`DiskError::InUse`] while a process writes the set; [`DiskError::Io`] if it cannot be removed.
-pub fn make_room<'a>(dir: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Result<(), DiskError> {
-    check_not_input(dir, inputs)?;
+/// [`DiskError::Input`] if the folder holds anything else, which then stays, as does the set; [`DiskError::InUse`] while a
+/// process writes the set; [`DiskError::Io`] if it cannot be removed.
+pub fn make_room(dir: &Path, force: bool) -> Result<(), DiskError> {
     if !force {
         return Ok(());
     }
@@ -159,11 +173,12 @@ pub fn make_room<'a>(dir: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>, 
     };
     // What tells that there is a set goes last, so that a removal that was interrupted can be repeated.
     let order = ["data", "truth", "controller", names::CARD, "meta", names::INCOMPLETE];
-    if let Some(other) = list(dir)?.into_iter().find(|name| !order.contains(&name.as_str())) {
+    if let Some(other) = shown(dir)?.into_iter().find(|name| !order.contains(&name.as_str())) {
         let found = format!("{other:?} beside the data set");
         let remedy = "move it away, or choose another folder";
         return Err(InputError::new(dir, "folder of the data set", found, "a data set alone", remedy).into());
     }
+    require_own_files(dir)?;
     order.into_iter().try_for_each(|name| remove_if_there(&dir.join(name)))?;
     sync_folder(dir)
 }

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 
 use super::finish::assemble_from;
 use super::folder::{
-    ATTEMPTS, BYTES_PER_FILE, Folder, Staging, list, look, not_locked, open_lock, remove_incomplete, require_same_set,
-    settle_plan,
+    ATTEMPTS, BYTES_PER_FILE, Folder, Staging, list, look, not_locked, open_lock, remove_incomplete, require_own_files,
+    require_same_set, settle_plan,
 };
 use super::packed::{Assembled, read_reach, write_reach};
 use crate::disk::check::{Violation, check_categories, check_robot, require};
@@ -94,6 +94,7 @@ impl DatasetWriter {
             return Err(finished()?);
         }
         settle_plan(&dir, &plan)?;
+        require_own_files(&dir)?;
         let whole = is_there(&dir.join(names::INFO))?;
         Ok(DatasetWriter { staging: Staging { dir, plan, bytes_per_file: BYTES_PER_FILE }, whole, lock })
     }

@@ -86,6 +86,8 @@ fn every_fault_of_a_csv_table_is_named_with_its_line() {
         let error = refused(read_text(&format!("{head}{rest}")));
         assert_eq!((error.line, error.field.as_str()), (Some(line), field), "{rest}: {error}");
     }
+    let error = refused(read_text("trial,taxel,time_s,force_n\n1,4294967296,0,0\n"));
+    assert_eq!(error.allowed, "a whole number from 0 to 4294967295");
     for (text, field) in [
         ("", "trial"),
         ("trial,time_s,force\n1,0,0\n", "force_n"),
