@@ -3,61 +3,44 @@
 use std::path::Path;
 use std::sync::Mutex;
 
-use serde::Serialize;
 use serde_json::json;
-use underbrush_recording::{Fault, InputError, TEXT_BYTES, escaped, read_text};
+use underbrush_recording::{Fault, TEXT_BYTES, escaped, read_text};
 
 /// The reason why a command ended without a result.
 #[derive(Debug)]
 pub struct Failure {
-    text: String,
-    input: Option<InputError>,
-    /// File, cause and remedy if the disk failed.
-    storage: Option<Box<[String; 3]>>,
-    kind: Kind,
+    fault: Fault,
+    /// Whether this program is at fault.
+    is_internal: bool,
     /// Whether the reader of the output closed the pipe, as `| head` does. That is not a failure.
     pub closed_pipe: bool,
-}
-
-/// What is at fault.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[serde(rename_all = "snake_case")]
-enum Kind {
-    /// A file, which [`InputError`] describes.
-    Input,
-    /// The command line, or what it names.
-    Usage,
-    /// The run, although usage and input are good.
-    Run,
-    /// This program.
-    Internal,
 }
 
 impl Failure {
     /// Bad usage, or bad input that is not in a file.
     pub fn usage(text: impl Into<String>) -> Self {
-        Failure { text: text.into(), input: None, storage: None, kind: Kind::Usage, closed_pipe: false }
+        Fault::Usage(text.into()).into()
     }
 
     /// A run that failed.
     pub fn run(text: impl Into<String>) -> Self {
-        Failure { kind: Kind::Run, ..Failure::usage(text) }
+        Fault::Run(text.into()).into()
     }
 
     /// A bug in this program, as recorded by [`record_panics`].
     pub fn panic(last_panic: &Mutex<String>) -> Self {
         let what = last_panic.lock().map_or(String::new(), |what| what.clone());
         let text = format!("internal error: {what}; please report it with the command line and the input files");
-        Failure { kind: Kind::Internal, ..Failure::usage(text) }
+        Failure { is_internal: true, ..Failure::run(text) }
     }
 
     /// The same failure with the file that it is about, unless it names one already.
     #[must_use]
-    pub fn about(self, path: &Path) -> Self {
-        if self.input.is_some() || self.storage.is_some() {
-            return self;
+    pub fn about(mut self, path: &Path) -> Self {
+        if let Fault::Usage(text) | Fault::Run(text) = &mut self.fault {
+            *text = format!("{}: {text}", path.display());
         }
-        Failure { text: format!("{}: {}", path.display(), self.text), ..self }
+        self
     }
 
     /// A failure to write to standard output.
@@ -68,45 +51,49 @@ impl Failure {
 
     /// The exit status.
     pub fn status(&self) -> u8 {
-        match self.kind {
-            Kind::Run | Kind::Internal => 1,
-            Kind::Input | Kind::Usage => 2,
+        match self.fault {
+            Fault::Run(_) | Fault::Storage { .. } => 1,
+            Fault::Input(_) | Fault::Usage(_) => 2,
         }
     }
 
     /// What `--json` prints: one object with the key `error`, whose values are null if they are not known.
     pub fn json(&self) -> String {
-        let input = self.input.as_ref();
-        let [file, found, remedy] = match input {
-            Some(input) => [input.file.display().to_string(), input.found.clone(), input.remedy.clone()].map(Some),
-            None => self.storage.clone().map(|known| (*known).map(Some)).unwrap_or_default(),
+        let input = if let Fault::Input(input) = &self.fault { Some(input) } else { None };
+        let [file, found, remedy] = match &self.fault {
+            Fault::Input(own) => [own.file.display().to_string(), own.found.clone(), own.remedy.clone()].map(Some),
+            Fault::Storage { file, cause, remedy, .. } => {
+                [file.display().to_string(), cause.clone(), remedy.clone()].map(Some)
+            }
+            Fault::Usage(_) | Fault::Run(_) => Default::default(),
+        };
+        let kind = match self.fault {
+            _ if self.is_internal => "internal",
+            Fault::Input(_) => "input",
+            Fault::Usage(_) => "usage",
+            Fault::Run(_) | Fault::Storage { .. } => "run",
         };
         json!({ "error": {
-            "kind": self.kind,
+            "kind": kind,
             "file": file,
             "line": input.and_then(|input| input.line),
             "field": input.map(|input| &input.field),
             "found": found,
             "allowed": input.map(|input| &input.allowed),
             "remedy": remedy,
-            "message": self.text,
+            "message": self.fault.to_string(),
         } })
         .to_string()
     }
 
     /// The text to print, with the offending line of the file if it is known.
     pub fn report(&self) -> String {
-        let Some(input) = &self.input else {
-            return format!("error: {}", self.text);
-        };
+        let Fault::Input(input) = &self.fault else { return format!("error: {}", self.fault) };
         let line = input.line.map_or(String::new(), |line| format!(":{line}"));
         let place = format!("{}{line}", input.file.display());
         let message = format!("{}: found {}", input.field, input.found);
         let help = format!("help: allowed: {}; {}", input.allowed, input.remedy);
-        let quoted = input.line.and_then(|line| {
-            let text = read_text(&input.file, &TEXT_BYTES, "", "").ok()?;
-            quoted(&text, line)
-        });
+        let quoted = input.line.and_then(|line| quoted(&read_text(&input.file, &TEXT_BYTES, "", "").ok()?, line));
         match quoted {
             Some((column, quoted)) => format!("error: {message}\n --> {place}:{column}\n{quoted}\n{help}"),
             None => format!("error: {place}: {message}\n{help}"),
@@ -149,16 +136,7 @@ where
     Fault: From<E>,
 {
     fn from(error: E) -> Self {
-        let fault = Fault::from(error);
-        let text = fault.to_string();
-        match fault {
-            Fault::Input(input) => Failure { input: Some(*input), kind: Kind::Input, ..Failure::usage(text) },
-            Fault::Storage { file, cause, remedy, .. } => {
-                Failure { storage: Some(Box::new([file.display().to_string(), cause, remedy])), ..Failure::run(text) }
-            }
-            Fault::Usage(_) => Failure::usage(text),
-            Fault::Run(_) => Failure::run(text),
-        }
+        Failure { fault: error.into(), is_internal: false, closed_pipe: false }
     }
 }
 

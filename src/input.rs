@@ -132,9 +132,8 @@ pub fn controller() -> impl TypedValueParser<Value = ControllerKind> {
 }
 
 fn given_twice(path: &Path) -> Failure {
-    let remedy = "leave it out where it is named again";
     let allowed = "each data set or recording once, so that no reach counts twice";
-    InputError::new(path, "input", "the same data twice", allowed, remedy).into()
+    InputError::new(path, "input", "the same data twice", allowed, "leave it out where it is named again").into()
 }
 
 /// The reaches of some data sets and recordings, in the order in which they are given.
@@ -174,8 +173,7 @@ impl Reaches {
             }
             Ok((path.clone(), dataset))
         };
-        let sources: Result<Vec<_>, Failure> = paths.iter().map(source).collect();
-        Ok(Reaches { sources: sources? })
+        Ok(Reaches { sources: paths.iter().map(source).collect::<Result<_, Failure>>()? })
     }
 
     /// Reads one reach after the other.
@@ -193,10 +191,7 @@ impl Reaches {
 }
 
 fn read_one(path: &Path, dataset: Option<&Dataset>, index: usize) -> Result<Recording, Failure> {
-    Ok(match dataset {
-        Some(dataset) => dataset.read_reach(index)?,
-        None => read_recording(path)?,
-    })
+    Ok(dataset.map_or_else(|| read_recording(path), |dataset| dataset.read_reach(index))?)
 }
 
 impl ReadReaches for Reaches {

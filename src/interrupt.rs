@@ -11,8 +11,7 @@ static HINT: OnceLock<(PathBuf, String)> = OnceLock::new();
 /// Sets the hint that is printed after an interruption if the folder is there: that `things` are kept in it, and `how` to
 /// continue the run. Only the first hint of a process counts.
 pub fn kept(things: &str, folder: &Path, how: &str) {
-    let hint = format!("{things} kept in {}; run {how} to go on", folder.display());
-    let _ = HINT.set((folder.to_path_buf(), hint));
+    let _ = HINT.set((folder.to_path_buf(), format!("{things} kept in {}; run {how} to go on", folder.display())));
 }
 
 /// Waits for SIGINT, SIGTERM and SIGHUP (the terminal was closed) in a separate thread.

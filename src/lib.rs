@@ -61,55 +61,68 @@ struct Cli {
 /// cores do not help, and each holds a reach in memory.
 const JOBS: &str = "must be a number from 1 to 1024; more threads than cores do not help, and each takes memory";
 
-#[derive(Subcommand)]
-enum Command {
+/// Makes the enum of the commands, each with its help, the module that runs it, and its options.
+macro_rules! commands {
+    ($($(#[$help:meta])* $name:ident($module:ident::$options:ident),)*) => {
+        #[derive(Subcommand)]
+        enum Command {
+            $($(#[$help])* $name(command::$module::$options),)*
+        }
+
+        impl Command {
+            fn run(self, json: bool) -> Result<(), Failure> {
+                match self {
+                    $(Command::$name(options) => command::$module::run(options, json),)*
+                }
+            }
+        }
+    };
+}
+commands! {
     /// Repeat the paper's experiments, and write a report with its tables beside the published ones
-    Reproduce(command::reproduce::ReproduceOptions),
+    Reproduce(reproduce::ReproduceOptions),
     /// Simulate one reach through a scene
-    Reach(command::reach::ReachOptions),
+    Reach(reach::ReachOptions),
     /// Write the files of your own arm from its URDF, and cover its links with taxels
-    Arm(command::arm::ArmOptions),
+    Arm(arm::ArmOptions),
     /// Write one draw of a scene as a scene file, object by object, to be changed by hand
-    Arrange(command::arrange::ArrangeOptions),
+    Arrange(arrange::ArrangeOptions),
     /// Simulate many reaches and write them as a data set
-    Generate(command::generate::GenerateOptions),
+    Generate(generate::GenerateOptions),
     /// Join the parts that `generate --shard` made on several machines into one data set
-    Merge(command::merge::MergeOptions),
+    Merge(merge::MergeOptions),
     /// Fit a classifier to trials, or to whole frames, and save it as a model file
-    Train(command::train::TrainOptions),
+    Train(train::TrainOptions),
     /// Classify contact trials or frames: leaf, trunk, uncertain or outlier
-    Classify(command::classify::ClassifyOptions),
+    Classify(classify::ClassifyOptions),
     /// Cross-validate classifiers on trials with ground truth
-    Evaluate(command::evaluate::EvaluateOptions),
+    Evaluate(evaluate::EvaluateOptions),
     /// Write the contact trials of a data set as a table with one row per sample
-    Trials(command::trials::TrialsOptions),
+    Trials(trials::TrialsOptions),
     /// Print the log-likelihood of each trial under each model, as CSV
-    Score(command::score::ScoreOptions),
+    Score(score::ScoreOptions),
     /// Check the simulated physics against closed-form solutions
-    Validate(command::validate::ValidateOptions),
+    Validate(validate::ValidateOptions),
     /// Run regression suites: check the results of scenes, controller and model against the bounds in a file
-    Check(command::check::CheckOptions),
+    Check(check::CheckOptions),
     /// Judge a model or a controller on frozen scenes, for a table that others can check
-    Benchmark(command::benchmark::BenchmarkOptions),
+    Benchmark(benchmark::BenchmarkOptions),
     /// Check a scene, data set, recording, table of trials or model, and show what is in it
-    Inspect(command::inspect::InspectOptions),
+    Inspect(inspect::InspectOptions),
     /// Show reaches in the browser: the arm in 3-D, its skin, plots and verdicts over time
-    Replay(command::replay::ReplayOptions),
+    Replay(replay::ReplayOptions),
     /// Write reaches for other tools (MCAP, ROS 2, HDF5). Without the Python package, print the Python command that
     /// does so
-    Export(command::export::ExportOptions),
+    Export(export::ExportOptions),
     /// Cut contact trials from a CSV file of a real robot
-    Import(command::import::ImportOptions),
+    Import(import::ImportOptions),
     /// Fit stiffness, hardening and loss of a skin to a press test
-    FitSkin(command::fit_skin::FitSkinOptions),
+    FitSkin(fit_skin::FitSkinOptions),
     /// Print the JSON Schema of scene, arm, skin, experiment, suite or model files, for use in an editor
-    Schema(command::schema::SchemaOptions),
+    Schema(schema::SchemaOptions),
     /// Print a shell's completion script, or write manual pages
-    Completions(command::completions::CompletionsOptions),
+    Completions(completions::CompletionsOptions),
 }
-
-/// The exit status of a program that did what it was told.
-const SUCCESS: u8 = 0;
 
 /// Runs the command line with these arguments, the first of which is the program's name. Returns the exit status: 0
 /// success, 1 the run failed, 2 bad usage or input.
@@ -129,14 +142,7 @@ pub fn run_command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let last_panic = failure::record_panics();
     interrupt::watch();
     let result = catch_unwind(AssertUnwindSafe(|| run(cli))).unwrap_or_else(|_| Err(Failure::panic(last_panic)));
-    match result {
-        Ok(()) => SUCCESS,
-        Err(failure) if failure.closed_pipe => SUCCESS,
-        Err(failure) => {
-            output::error(&failure, json);
-            failure.status()
-        }
-    }
+    output::status(result, json)
 }
 
 /// A command whose options take negative numbers, so that the error is about the number and not about an unexpected argument.
@@ -150,33 +156,8 @@ fn taking_negative_numbers(command: clap::Command) -> clap::Command {
 
 fn run(cli: Cli) -> Result<(), Failure> {
     if let Some(jobs) = cli.jobs {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(jobs)
-            .build_global()
-            .map_err(|error| Failure::run(format!("cannot start {jobs} threads: {error}")))?;
+        let started = rayon::ThreadPoolBuilder::new().num_threads(jobs).build_global();
+        started.map_err(|error| Failure::run(format!("cannot start {jobs} threads: {error}")))?;
     }
-    let json = cli.json;
-    match cli.command {
-        Command::Reproduce(options) => command::reproduce::run(options, json),
-        Command::Reach(options) => command::reach::run(options, json),
-        Command::Arm(options) => command::arm::run(options, json),
-        Command::Arrange(options) => command::arrange::run(options, json),
-        Command::Generate(options) => command::generate::run(options, json),
-        Command::Merge(options) => command::merge::run(options, json),
-        Command::Train(options) => command::train::run(options, json),
-        Command::Classify(options) => command::classify::run(options, json),
-        Command::Evaluate(options) => command::evaluate::run(options, json),
-        Command::Trials(options) => command::trials::run(options, json),
-        Command::Score(options) => command::score::run(options, json),
-        Command::Validate(options) => command::validate::run(options, json),
-        Command::Check(options) => command::check::run(options, json),
-        Command::Benchmark(options) => command::benchmark::run(options, json),
-        Command::Inspect(options) => command::inspect::run(options, json),
-        Command::Replay(options) => command::replay::run(options, json),
-        Command::Export(options) => command::export::run(options),
-        Command::Import(options) => command::import::run(options, json),
-        Command::FitSkin(options) => command::fit_skin::run(options, json),
-        Command::Schema(options) => command::schema::run(&options),
-        Command::Completions(options) => command::completions::run::<Cli>(&options, json),
-    }
+    cli.command.run(cli.json)
 }

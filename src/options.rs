@@ -20,8 +20,7 @@ pub fn named<T>(names: &'static [(&'static str, &'static str)]) -> impl TypedVal
 where
     T: DeserializeOwned + Clone + Send + Sync + 'static,
 {
-    let values = names.iter().map(|(name, help)| PossibleValue::new(*name).help(*help));
-    PossibleValuesParser::new(values)
+    PossibleValuesParser::new(names.iter().map(|(name, help)| PossibleValue::new(*name).help(*help)))
         .try_map(|name| T::deserialize(IntoDeserializer::<Unread>::into_deserializer(name)))
 }
 
@@ -169,8 +168,7 @@ impl TrialArguments {
 
     /// Refuses options that do not apply to verdicts frame by frame.
     pub fn refuse_online(&self) -> Result<(), Failure> {
-        let what = "online verdicts, which are given for each taxel from its first sample on";
-        self.refuse_but(&Self::OF_CONTACTS, what)
+        self.refuse_but(&Self::OF_CONTACTS, "online verdicts, which are given for each taxel from its first sample on")
     }
 
     /// The options that are not about trials only.

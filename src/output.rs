@@ -51,31 +51,26 @@ pub fn interruption(hint: &str) {
     remark(format!("{line_break}interrupted: {hint}"));
 }
 
-/// Prints an error on stderr, and with `json` as one object on stdout. A result that has been printed before stays the
-/// only object, and says itself what is wrong, as that of `check` does.
-pub fn error(failure: &Failure, json: bool) {
+/// Prints the failure of a run on stderr, and with `json` as one object on stdout. A result that has been printed before stays
+/// the only object, and says itself what is wrong, as that of `check` does. Returns the exit status.
+pub fn status(result: Result<(), Failure>, json: bool) -> u8 {
+    let Some(failure) = result.err().filter(|failure| !failure.closed_pipe) else { return 0 };
     if json && !RESULT_PRINTED.load(Ordering::Relaxed) {
         // The exit status and stderr tell the same.
         let _ = line(&failure.json());
     }
     remark(failure.report());
+    failure.status()
 }
 
 /// Prints what clap has to say about these arguments: the help or the version, or an error. Returns the exit status.
 pub fn usage(answer: &clap::Error, arguments: &[OsString]) -> u8 {
     let text = answer.render().to_string();
     if !answer.use_stderr() {
-        return match answer.print().map_err(Failure::output) {
-            Err(failure) if !failure.closed_pipe => {
-                remark(failure.report());
-                failure.status()
-            }
-            _ => 0,
-        };
+        return status(answer.print().map_err(Failure::output), false);
     }
     if arguments.iter().take_while(|argument| *argument != "--").any(|argument| argument == "--json") {
-        let failure = Failure::usage(text.trim_start_matches("error: ").trim_end());
-        let _ = line(&failure.json());
+        let _ = line(&Failure::usage(text.trim_start_matches("error: ").trim_end()).json());
     }
     // An argument, such as the name of a file, may have escape sequences; clap's colours are not worth those.
     if arguments.iter().all(|argument| is_plain(&argument.to_string_lossy())) {

@@ -116,7 +116,7 @@ fn statics() -> Value {
     let (mut rig, links, leaves) = rig(&sweep, options);
     let leaf = &sweep.clutter.objects[0];
     let tip = *leaves[0].last().unwrap();
-    let tip_world = leaf.foot_world + DVec3::Z * leaf.object.height_m();
+    let tip_world = leaf.foot_world + DVec3::Z * leaf.object.size().1;
     let tip_of_body = rig.pose_world(tip).inverse_transform_point(tip_world);
     let across = rig.pose_world(tip).transform_vector(DVec3::X);
     let along = rig.pose_world(tip).transform_vector(DVec3::Y);

@@ -23,16 +23,6 @@ pub enum AnyModel {
     Touch(Box<TouchModel>),
 }
 
-impl AnyModel {
-    /// Where the model comes from.
-    pub fn provenance(&self) -> &Provenance {
-        match self {
-            AnyModel::OfTrials(model) => &model.provenance,
-            AnyModel::Touch(model) => &model.provenance,
-        }
-    }
-}
-
 /// The name of the format without its version.
 const TOUCH_NAME: &str = "underbrush-touch/";
 

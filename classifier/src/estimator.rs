@@ -13,7 +13,8 @@ use schemars::{Schema, SchemaGenerator};
 use serde_json::Value;
 use underbrush_recording::{Category, InputError, Sample, Trial, stop};
 
-use crate::{Document, FeatureError, FeatureSet, ModelError, SampleFault, TrainingHistory};
+use crate::stream_feature::after;
+use crate::{Document, FeatureSet, ModelError, SampleFault, TrainingHistory};
 
 /// Options of a classifier that can be fitted to labelled trials.
 pub trait Estimator: Sync {
@@ -53,29 +54,22 @@ pub trait Classifier: Any + Debug + Send + Sync {
     /// # Errors
     /// [`ModelError`] if the trial is empty or lacks a feature, and the errors of [`OnlineScorer::scores`].
     fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
-        if trial.samples.is_empty() {
-            return Err(FeatureError::Empty { trial: trial.trial }.into());
-        }
         let mut scorer = self.online_scorer(1);
         scorer.begin(0);
-        let mut scores = vec![0.0; self.categories().len()];
-        let mut found = Vec::with_capacity(counts.len());
-        let mut taken = 0;
-        for &count in counts {
-            let mut is_new = false;
-            for sample in &trial.samples[taken..count.clamp(taken, trial.samples.len())] {
-                if scorer.push(0, sample).map_err(|fault| fault.at(trial, taken))? {
-                    scorer.advance();
-                    is_new = true;
-                }
-                taken += 1;
+        let scores = vec![0.0; self.categories().len()];
+        let push = |(scorer, _, is_new): &mut Scored, sample: &Sample| {
+            if scorer.push(0, sample)? {
+                scorer.advance();
+                *is_new = true;
             }
-            if is_new {
-                scorer.scores(0, &mut scores)?;
+            Ok(())
+        };
+        after(trial, counts, (scorer, scores, false), push, |(scorer, scores, is_new)| {
+            if std::mem::take(is_new) {
+                scorer.scores(0, scores)?;
             }
-            found.push(scores.clone());
-        }
-        Ok(found)
+            Ok(scores.clone())
+        })
     }
 
     /// The scores of whole trials, one row per trial.
@@ -96,6 +90,9 @@ pub trait Classifier: Any + Debug + Send + Sync {
         None
     }
 }
+
+/// A contact that is scored: its scorer, its last scores, and whether a sample has changed them since.
+type Scored = (Box<dyn OnlineScorer>, Vec<f64>, bool);
 
 /// Scores several contacts at once, sample by sample: [`OnlineScorer::begin`] a contact, [`OnlineScorer::push`] its
 /// samples, [`OnlineScorer::advance`] after the samples of one frame, then read the [`OnlineScorer::scores`].

@@ -9,6 +9,16 @@ pub fn frequencies<T: Ord>(things: impl IntoIterator<Item = T>) -> BTreeMap<T, u
     counts
 }
 
+/// For each thing, how many equal ones came before it.
+pub(crate) fn earlier<T: Ord>(things: impl IntoIterator<Item = T>) -> impl Iterator<Item = usize> {
+    let mut counts = BTreeMap::new();
+    things.into_iter().map(move |thing| {
+        let count = counts.entry(thing).or_insert(0);
+        *count += 1;
+        *count - 1
+    })
+}
+
 /// What occurs most often; in a tie, the smallest.
 pub(crate) fn most_frequent<T: Copy>(counts: &BTreeMap<T, usize>) -> Option<T> {
     largest(counts.iter().map(|(thing, count)| (*thing, *count))).map(|(thing, _)| thing)

@@ -168,21 +168,14 @@ impl OnlineClassifier {
             return Err(OnlineError::NoChannel { feature: feature.name });
         }
         let no_region = |feature| OnlineError::NoRegion { feature, patch: image.patch().name.clone() };
-        let regions = match classifier.features().of_region().next() {
-            None => None,
-            Some(feature) => Some(Regions::new(&image, None).map_err(|_| no_region(feature.name))?),
-        };
+        let needs = classifier.features().of_region().next();
+        let regions =
+            needs.map(|feature| Regions::new(&image, None).map_err(|_| no_region(feature.name))).transpose()?;
         let taxels = image.patch().taxels.len();
-        let contact = |taxel| Contact {
-            slot: None,
-            travel: Travel::from(DVec3::ZERO),
-            scored: false,
-            verdict: TaxelVerdict {
-                taxel,
-                samples: 0,
-                scores: vec![0.0; categories.len()],
-                verdict: Verdict::Uncertain,
-            },
+        let contact = |taxel| {
+            let scores = vec![0.0; categories.len()];
+            let verdict = TaxelVerdict { taxel, samples: 0, scores, verdict: Verdict::Uncertain };
+            Contact { slot: None, travel: Travel::from(DVec3::ZERO), scored: false, verdict }
         };
         Ok(OnlineClassifier {
             judge: options.decision.prepare(&categories)?,

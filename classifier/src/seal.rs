@@ -91,34 +91,16 @@ fn spelled(value: &Value) -> String {
     }
 }
 
-/// The order of keys in a file: short entries first, for readability.
-const ORDER: [&str; 18] = [
-    "format",
-    "classifier",
-    "categories",
-    "features",
-    "recipe",
-    "options",
-    "decision",
-    "provenance",
-    "scaling",
-    "models",
-    "parameters",
-    "training",
-    "touched",
-    "category",
-    "of_objects",
-    "unknown_objects",
-    "stiffness",
-    KEY,
-];
+/// The order of keys in a file, which ends in the seal: short entries first, for readability.
+const ORDER: &str = "format classifier categories features recipe options decision provenance scaling models parameters \
+                     training touched category of_objects unknown_objects stiffness";
 
 /// The text of a file with these entries and their seal. Empty entries are left out.
 pub(crate) fn sealed(mut entries: Vec<(&str, Value)>) -> String {
     entries.retain(|(_, value)| !value.is_null() && *value != json!({}));
     let hash = of(entries.iter().map(|(key, value)| (*key, value)));
+    entries.sort_by_key(|(key, _)| ORDER.split(' ').position(|known| known == *key));
     entries.push((KEY, hash.into()));
-    entries.sort_by_key(|(key, _)| ORDER.iter().position(|known| known == key));
     let mut text = String::new();
     write_object(entries.iter().map(|(key, value)| (*key, value)), 0, &mut text);
     text.push('\n');

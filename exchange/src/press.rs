@@ -151,9 +151,8 @@ pub fn fit_press(samples: &[PressSample], punch: Punch) -> Result<PressFit, Pres
     if one_speed {
         rows.iter_mut().for_each(|row| row.speed_m_per_s = 0.0);
     }
-    let best = fit(&rows, punch).ok_or(PressError::Indistinct)?;
     // Near the best fit the law is linear in its constants, so a draw needs one step of the method.
-    let linear: Vec<Linear> = rows.iter().map(|row| row.linear(punch, &best)).collect();
+    let (best, linear) = fit(&rows, punch).ok_or(PressError::Indistinct)?;
     let mut random = ChaCha8Rng::seed_from_u64(0);
     let blocks: Vec<&[Linear]> = linear.chunks(linear.len().div_ceil(BLOCKS)).collect();
     let mut draws: Vec<[f64; 3]> = (0..DRAWS)
@@ -232,8 +231,8 @@ fn moved(from: &[f64; 3], step: &[f64; 3], share: f64) -> [f64; 3] {
     [from[0] * math::exp(share * step[0]), from[1] + share * step[1], from[2] + share * step[2]]
 }
 
-/// C, β and τ. `None` if they cannot be told apart.
-fn fit(rows: &[Row], punch: Punch) -> Option<[f64; 3]> {
+/// C, β and τ, and the samples near them. `None` if they cannot be told apart.
+fn fit(rows: &[Row], punch: Punch) -> Option<([f64; 3], Vec<Linear>)> {
     let deepest_m = rows.iter().map(|row| row.depth_m).fold(0.0, f64::max);
     let linear = |constants: &[f64; 3]| rows.iter().map(|row| row.linear(punch, constants)).collect::<Vec<_>>();
     let misfit = |rows: &[Linear]| rows.iter().map(|row| row.missing_n.powi(2)).sum::<f64>();
@@ -256,7 +255,7 @@ fn fit(rows: &[Row], punch: Punch) -> Option<[f64; 3]> {
             break;
         }
     }
-    Some(constants)
+    Some((constants, now))
 }
 
 /// The samples under load. The speed is that between the neighbours of a sample.

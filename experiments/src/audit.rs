@@ -102,15 +102,13 @@ pub fn worst(episodes: &[Episode], layout: &SkinLayout) -> BTreeMap<&'static str
             reach_index: worst.reach_index,
         })
     };
-    let fields = Audit::FIELDS.into_iter();
-    fields.filter_map(|field| Some((field.name, of_field(field.name, field.get)?))).collect()
+    Audit::FIELDS.into_iter().filter_map(|field| Some((field.name, of_field(field.name, field.get)?))).collect()
 }
 
 /// The counts of the audit, summed over some reaches, by name.
 pub fn counts(episodes: &[Episode]) -> BTreeMap<&'static str, u64> {
     let sum = |get: fn(&Audit) -> u32| episodes.iter().map(|episode| u64::from(get(&episode.audit))).sum();
-    let fields = Audit::COUNTS.into_iter();
-    fields.map(|field| (field.name, sum(field.get))).collect()
+    Audit::COUNTS.into_iter().map(|field| (field.name, sum(field.get))).collect()
 }
 
 /// Scene, index and audit of a reach.

@@ -208,14 +208,12 @@ impl Campaign {
     }
 
     fn plans(&self) -> Result<Vec<ReachPlan>, Fault> {
-        let controller = self.controller;
         let plan = |(scene, _): &(Scene, u64)| {
             let arm = self.arms.get(&scene.name).cloned();
-            let plan = ReachPlan::with_arm(scene.clone(), arm, controller, self.seed)?;
-            let plan = match self.own_controller.clone() {
-                Some(make) => plan.with_controller(move |arm| make(arm)),
-                None => plan,
-            };
+            let mut plan = ReachPlan::with_arm(scene.clone(), arm, self.controller, self.seed)?;
+            if let Some(make) = self.own_controller.clone() {
+                plan = plan.with_controller(move |arm| make(arm));
+            }
             match &self.verdicts {
                 Some(verdicts) => verdicts.applied_to(plan),
                 None => Ok(plan),
@@ -271,6 +269,10 @@ impl Campaign {
                  give one of them another name in its scene file"
             )));
         }
+        let episode = |&Job { plan, reach_index }: &Job| {
+            let Scene { name, file, .. } = &plans[plan].scene;
+            PlannedEpisode { scene: name.clone(), task: file.summary.clone(), reach_index }
+        };
         Ok(DatasetPlan {
             provenance: self.provenance(plans, &controller),
             robot: first.arm.name.clone(),
@@ -278,14 +280,7 @@ impl Campaign {
             joint_names: first.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
             layout: first.arm.skin.layout.clone(),
             categories: further,
-            episodes: jobs
-                .iter()
-                .map(|job| PlannedEpisode {
-                    scene: plans[job.plan].scene.name.clone(),
-                    task: plans[job.plan].scene.file.summary.clone(),
-                    reach_index: job.reach_index,
-                })
-                .collect(),
+            episodes: jobs.iter().map(episode).collect(),
         })
     }
 
@@ -293,20 +288,15 @@ impl Campaign {
         let (mut options, mut controller_parameters) = (BTreeMap::new(), BTreeMap::new());
         let (mut arms, mut scenes): (Vec<ArmText>, _) = (Vec::new(), Vec::new());
         for (plan, (scene, reaches)) in plans.iter().zip(&self.scenes) {
-            let file = &scene.file;
-            let own = json!({ "physics": file.physics, "sensor": file.sensor });
-            options.insert(scene.name.clone(), own);
+            options.insert(scene.name.clone(), json!({ "physics": scene.file.physics, "sensor": scene.file.sensor }));
             let parameters = ControllerParameters {
                 preset: plan.controller.preset(),
                 rules: &plan.rules,
                 verdicts: self.verdicts.as_ref().map(|verdicts| verdicts.parameters(&plan.scene)),
             };
             controller_parameters.insert(scene.name.clone(), json!(parameters));
-            let files = plan.arm.files.iter();
-            let arm = ArmText {
-                name: plan.arm.name.clone(),
-                files: files.map(|file| FileText::new(&file.name, &file.text)).collect(),
-            };
+            let files = plan.arm.files.iter().map(|file| FileText::new(&file.name, &file.text));
+            let arm = ArmText { name: plan.arm.name.clone(), files: files.collect() };
             let place = arms.iter().position(|other| *other == arm).unwrap_or_else(|| {
                 arms.push(arm);
                 arms.len() - 1
@@ -349,6 +339,11 @@ struct ControllerParameters<'a> {
 /// The jobs of plans with these numbers of reaches, plan by plan and reach by reach.
 pub fn jobs_of(reaches: impl Iterator<Item = u64>) -> impl Iterator<Item = Job> {
     reaches.enumerate().flat_map(|(plan, reaches)| (0..reaches).map(move |reach_index| Job { plan, reach_index }))
+}
+
+/// The jobs of this many reaches of one plan, from an index on.
+pub(crate) fn jobs_from(first: u64, reaches: u64) -> Vec<Job> {
+    (first..first + reaches).map(|reach_index| Job { plan: 0, reach_index }).collect()
 }
 
 /// Runs reaches in parallel, and returns the result of `make` for the position of each job and its recording, in the order

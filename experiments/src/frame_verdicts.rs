@@ -104,45 +104,41 @@ pub fn run(session: &Session) -> Result<Online, Fault> {
     let (models, thresholds) = (session.once(online_models::run)?, session.once(online_models::thresholds)?);
     let (experiment, models) = (session.experiment, &*models);
     // One reach after the other, because the time per frame is measured.
-    let classify = |found: &Found, rule: Rule, truth: StreamTruth| {
-        let options = options(experiment, rule);
+    let classify = |found: Option<&Found>, rule: Rule, truth: StreamTruth| {
         let one = |recording: &Recording| {
             Ok(Classified {
                 reach_index: recording.reach_index,
-                stream: classify_stream(models, recording, &options, truth)?,
+                stream: classify_stream(models, recording, &options(experiment, rule), truth)?,
             })
         };
-        found.reaches.iter().map(one).collect::<Result<Vec<_>, Fault>>()
+        found.into_iter().flat_map(|found| &found.reaches).map(one).collect::<Result<Vec<_>, Fault>>()
     };
-    let classify_some = |found: &Option<Found>, rule: Rule| match found {
-        Some(found) => classify(found, rule, StreamTruth::Object),
-        None => Ok(Vec::new()),
-    };
-    let drawn = |found: &Option<Found>| found.as_ref().map_or(0, |found| found.drawn);
+    let (general, outlier) = (reaches.general.as_ref(), reaches.outlier.as_ref());
+    let drawn = |found: Option<&Found>| found.map_or(0, |found| found.drawn);
     session.stage("Online verdicts", || {
         let uncertain = uncertain_rule(experiment);
         // General reaches are classified first, and without other work on the machine, because their time is shown.
-        let general = classify_some(&reaches.general, uncertain)?;
+        let classified_general = classify(general, uncertain, StreamTruth::Object)?;
         let engineered = |(category, found): &(Category, Found)| {
             Ok(Engineered {
-                by_scene: classify(found, uncertain, StreamTruth::Environment(*category))?.pop(),
-                by_object: classify(found, uncertain, StreamTruth::Object)?.pop(),
+                by_scene: classify(Some(found), uncertain, StreamTruth::Environment(*category))?.pop(),
+                by_object: classify(Some(found), uncertain, StreamTruth::Object)?.pop(),
             })
         };
         let engineered = in_parallel(&reaches.engineered, engineered);
-        let outlier = classify_some(&reaches.outlier, Decision::paper().rule)?;
-        let chosen = thresholds.chosen.as_ref().ok().filter(|_| reaches.outlier.is_some());
-        let by_chosen = |chosen: &ChosenThresholds| -> Result<_, Fault> {
-            Ok((chosen.decision.clone(), classify_some(&reaches.outlier, chosen.decision.rule)?))
+        let outlier_by_chosen = match &thresholds.chosen {
+            Ok(ChosenThresholds { decision, .. }) if outlier.is_some() => {
+                Some((decision.clone(), classify(outlier, decision.rule, StreamTruth::Object)?))
+            }
+            _ => None,
         };
-        let outlier_by_chosen = chosen.map(by_chosen).transpose()?;
         Ok(Online {
             engineered: engineered?,
-            general,
-            general_drawn: drawn(&reaches.general),
-            outlier,
+            general: classified_general,
+            general_drawn: drawn(general),
+            outlier: classify(outlier, Decision::paper().rule, StreamTruth::Object)?,
             outlier_by_chosen,
-            outlier_drawn: drawn(&reaches.outlier),
+            outlier_drawn: drawn(outlier),
         })
     })
 }

@@ -58,7 +58,6 @@ pub fn inspect(path: &Path, seed: u64) -> Result<Value, Fault> {
 fn scene(path: &Path, seed: u64) -> Result<Value, Fault> {
     let plan = ReachPlan::new(Scene::open(path)?, None, seed)?;
     let clutter = Clutter::draw(&plan.scene, &ArmAtStart::of(&plan.arm), seed, 0)?;
-    let objects = frequencies(clutter.objects.iter().map(|placed| placed.object.kind()));
     let file = &plan.scene.file;
     let ways = plan.ways(0)?.iter().filter(|way| way.is_ok()).count();
     let mut doubts = plan.arm.skin_doubts();
@@ -72,7 +71,7 @@ fn scene(path: &Path, seed: u64) -> Result<Value, Fault> {
         "arm": plan.arm.name,
         "doubtful": doubtful(&doubts),
         "controller": plan.controller_name(),
-        "objects": objects,
+        "objects": frequencies(clutter.objects.iter().map(|placed| placed.object.kind())),
         "goals": goals,
         "goals_with_a_way": ways,
         "physics": file.physics,
@@ -103,17 +102,15 @@ fn arm(arm: &Arm) -> Result<Value, Fault> {
         let grid = patch.grid.map(|grid| json!({"rows": grid.rows, "columns": grid.columns}));
         json!({"name": patch.name, "link": patch.link, "taxels": patch.taxels.len(), "grid": grid})
     });
-    let tip = ArmAtStart::of(arm).end_effector_world;
-    let doubts = arm.skin_doubts();
     let wedges: Vec<String> = wedges(arm).iter().map(wedge).collect();
     Ok(json!({
         "arm": arm.name,
         "base": arm.links[0].name,
         "chain": links.collect::<Vec<_>>(),
-        "tip_at_start_m": tip.to_array().map(|value| (value * 1e4).round() / 1e4),
+        "tip_at_start_m": ArmAtStart::of(arm).end_effector_world.to_array().map(|value| (value * 1e4).round() / 1e4),
         "patches": patches.collect::<Vec<_>>(),
         "taxels": arm.skin.layout.taxel_count(),
-        "doubtful": doubtful(&doubts),
+        "doubtful": doubtful(&arm.skin_doubts()),
         "wedges": if wedges.is_empty() { "none".into() } else { wedges.join("; ") },
         "check": "sound",
     }))
@@ -144,9 +141,7 @@ fn dataset(path: &Path) -> Result<Value, Fault> {
     let dataset = Dataset::open(path)?;
     dataset.verify()?;
     let episodes = dataset.episodes();
-    let peaks_n = dataset.peak_contact_forces_n()?;
     let ends = Ends::of(episodes);
-    let scenes = frequencies(episodes.iter().map(|episode| &episode.scene));
     let provenance = &dataset.plan().provenance;
     let patches: BTreeMap<&str, usize> =
         dataset.plan().layout.patches.iter().map(|patch| (patch.name.as_str(), patch.taxels.len())).collect();
@@ -159,12 +154,12 @@ fn dataset(path: &Path) -> Result<Value, Fault> {
         "dataset": path.display().to_string(),
         "reaches": episodes.len(),
         "frames": episodes.iter().map(|episode| episode.frames).sum::<usize>(),
-        "reaches_by_scene": scenes,
+        "reaches_by_scene": frequencies(episodes.iter().map(|episode| &episode.scene)),
         "goals": ends.goals,
         "aborted_reaches": ends.aborted,
         "reaches_with_contact_by_patch": ends.touched_reaches,
         "contacts": episodes.iter().map(|episode| episode.contacts).sum::<usize>(),
-        "largest_contact_force_n": peaks_n.into_iter().fold(0.0, f64::max),
+        "largest_contact_force_n": dataset.peak_contact_forces_n()?.into_iter().fold(0.0, f64::max),
         "taxels": patches,
         "audit_worst": audit::worst(episodes, &dataset.plan().layout),
         "audit_sums": audit::counts(episodes),
@@ -207,14 +202,13 @@ fn recording(path: &Path) -> Result<Value, Fault> {
 
 fn trials(path: &Path) -> Result<Value, Fault> {
     let trials = read_trials(path)?;
-    let categories = frequencies(trials.iter().map(|trial| trial.category.as_deref().unwrap_or("unknown")));
     let lengths = trials.iter().map(|trial| trial.samples.len());
     Ok(json!({
         "table": path.display().to_string(),
         "trials": trials.len(),
         "samples": lengths.clone().sum::<usize>(),
         "median_samples": median(lengths.map(|samples| samples as f64).collect()),
-        "trials_by_category": categories,
+        "trials_by_category": frequencies(trials.iter().map(|trial| trial.category.as_deref().unwrap_or("unknown"))),
         "has_motion": trials.iter().flat_map(|trial| &trial.samples).all(|sample| sample.motion_m.is_some()),
         "check": "sound",
     }))

@@ -63,13 +63,12 @@ fn of_trials(blake3: String) -> DataSource {
 
 /// Some reaches of a data set.
 pub fn of_reaches<'a>(dataset: &Dataset, episodes: impl Iterator<Item = &'a Episode>) -> DataSource {
-    let reaches = frequencies(episodes.map(|episode| episode.scene.clone()));
     DataSource {
         kind: DataKind::DataSet,
         name: name(dataset.dir()),
         blake3: dataset.data_blake3(),
         seed: Some(dataset.plan().provenance.seed),
-        reaches,
+        reaches: frequencies(episodes.map(|episode| episode.scene.clone())),
         rate_hz: Some(dataset.plan().rate_hz),
     }
 }

@@ -60,21 +60,19 @@ pub fn thresholds(session: &Session) -> Result<Thresholds, Fault> {
             false_positive_rate: experiment.file.thresholds.false_positive_rate,
             outlier_prior: experiment.file.thresholds.outlier_prior,
         };
-        let chosen = choose_thresholds(&held_out, targets).map_err(|error| error.to_string());
         let mut trials = Trials::default();
         for (place, recording) in tested.outlier.iter().flat_map(|found| &found.reaches).enumerate() {
             trials.append(place, None, Trials::cut(recording, &experiment.trial_options())?);
         }
-        let outlier_roc = match trials.taxel.iter().any(|trial| trial.category.is_some()) {
-            false => None,
-            true => {
-                let judge = argmax.prepare(&models.categories())?;
-                // No trial is left uncertain: at each threshold, all trials with smaller margins are called outliers.
-                outlier_roc(&evaluate(&*models, &trials.taxel, &argmax)?, &judge, 0.0)
-            }
+        let outlier_roc = if trials.taxel.iter().any(|trial| trial.category.is_some()) {
+            let judge = argmax.prepare(&models.categories())?;
+            // No trial is left uncertain: at each threshold, all trials with smaller margins are called outliers.
+            outlier_roc(&evaluate(&*models, &trials.taxel, &argmax)?, &judge, 0.0)
+        } else {
+            None
         };
         Ok(Thresholds {
-            chosen,
+            chosen: choose_thresholds(&held_out, targets).map_err(|error| error.to_string()),
             category_roc: experiment.labels().first().and_then(|label| category_roc(&held_out, label)),
             outlier_roc,
         })

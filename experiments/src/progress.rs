@@ -42,7 +42,9 @@ pub trait Progress: Sync {
     fn remark(&self, _text: &str) {}
 
     /// A task of several steps begins, of which `done` are already complete. Dropping the counter ends the task.
-    fn count(&self, things: &str, total: u64, done: u64) -> Box<dyn Counter>;
+    fn count(&self, _things: &str, _total: u64, _done: u64) -> Box<dyn Counter> {
+        Box::new(Silent)
+    }
 
     /// Whether the user wants the run to end now. Called in every frame of every reach of a campaign.
     fn is_stopped(&self) -> bool {
@@ -58,29 +60,21 @@ pub trait Progress: Sync {
     }
 }
 
-/// Counts completed steps.
+/// Counts completed steps. All calls may be ignored.
 pub trait Counter: Send + Sync {
     /// One more step is complete.
-    fn advance(&self);
+    fn advance(&self) {}
 
     /// One more reach is complete, with these outcomes of its goals.
-    fn reach(&self, goals: GoalOutcomes);
+    fn reach(&self, _goals: GoalOutcomes) {}
 }
 
 /// Ignores everything.
 pub struct Silent;
 
-impl Progress for Silent {
-    fn count(&self, _: &str, _: u64, _: u64) -> Box<dyn Counter> {
-        Box::new(Silent)
-    }
-}
+impl Progress for Silent {}
 
-impl Counter for Silent {
-    fn advance(&self) {}
-
-    fn reach(&self, _: GoalOutcomes) {}
-}
+impl Counter for Silent {}
 
 /// Shows each warning of the libraries from now on.
 pub fn show_warnings(show: fn(String)) {

@@ -2,6 +2,7 @@
 //! figures.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::mem::replace;
 
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::feature::FeatureSet;
@@ -112,10 +113,12 @@ pub fn orderings<F>(experiment: &Experiment, cells: &[Cell<F>], accuracy: fn(&F)
     let recipes = distinct(cells.iter().map(|(key, _)| &key.recipe));
     let check = |recipe: &String, name: OrderingName| {
         let own: Vec<&KeyedAccuracy> = cells.iter().filter(|(key, _)| key.recipe == *recipe).collect();
-        let (statement, strict) = statement(name, &own);
+        let states: BTreeSet<usize> = own.iter().map(|(key, _)| key.states).collect();
+        let (statement, strict) = statement(name, &states);
         let (mut pairs, mut failing) = (0, Vec::new());
         for (high_key, high) in own.iter().copied() {
-            for (low_key, low) in own.iter().copied().filter(|(low_key, _)| is_pair(name, high_key, low_key, &own)) {
+            let lower = lower(name, high_key, &states);
+            for (low_key, low) in own.iter().copied().filter(|(key, _)| lower.as_ref() == Some(*key)) {
                 pairs += 1;
                 if !(high > low || (!strict && high == low)) {
                     failing.push(format!("{} {high:.1} %, {} {low:.1} %", high_key.name(), low_key.name()));
@@ -136,12 +139,11 @@ pub fn orderings<F>(experiment: &Experiment, cells: &[Cell<F>], accuracy: fn(&F)
 }
 
 /// A statement as text, and whether equal accuracies contradict it.
-fn statement(name: OrderingName, cells: &[&KeyedAccuracy]) -> (String, bool) {
+fn statement(name: OrderingName, states: &BTreeSet<usize>) -> (String, bool) {
     match name {
         OrderingName::TaxelsOverComponents => ("taxels are told apart better than components".into(), true),
         OrderingName::ForceOverForceAndMotion => ("force alone is at least as good as force and motion".into(), false),
         OrderingName::MoreStates => {
-            let states: BTreeSet<usize> = cells.iter().map(|(key, _)| key.states).collect();
             let mut states = states.iter().map(usize::to_string);
             let fewest = states.next().unwrap_or_default();
             let more = match states.collect::<Vec<_>>().as_slice() {
@@ -154,19 +156,16 @@ fn statement(name: OrderingName, cells: &[&KeyedAccuracy]) -> (String, bool) {
     }
 }
 
-/// Whether a statement says that the first cell has the higher accuracy of the two.
-fn is_pair(name: OrderingName, high: &CellKey, low: &CellKey, cells: &[&KeyedAccuracy]) -> bool {
-    let fewest = cells.iter().map(|(key, _)| key.states).min();
-    let (units, features) = ((high.by, low.by), (high.features, low.features));
-    let (same_unit, same_features, same_states) =
-        (high.by == low.by, high.features == low.features, high.states == low.states);
-    match name {
-        OrderingName::TaxelsOverComponents => units == (Unit::Taxel, Unit::Component) && same_features && same_states,
+/// The cell of which a statement says that its accuracy is lower than that of this one, if it says so of any.
+fn lower(name: OrderingName, high: &CellKey, states: &BTreeSet<usize>) -> Option<CellKey> {
+    let fewest = *states.first()?;
+    let mut low = high.clone();
+    let is_higher = match name {
+        OrderingName::TaxelsOverComponents => replace(&mut low.by, Unit::Component) == Unit::Taxel,
         OrderingName::ForceOverForceAndMotion => {
-            same_unit && features == (FeatureSet::FORCE, FeatureSet::FORCE_AND_MOTION) && same_states
+            replace(&mut low.features, FeatureSet::FORCE_AND_MOTION) == FeatureSet::FORCE
         }
-        OrderingName::MoreStates => {
-            same_unit && same_features && high.states > low.states && Some(low.states) == fewest
-        }
-    }
+        OrderingName::MoreStates => replace(&mut low.states, fewest) > fewest,
+    };
+    is_higher.then_some(low)
 }

@@ -57,8 +57,7 @@ pub fn torque_balance(path: &Path) -> Result<BTreeMap<String, TorqueBalance>, Fa
             let remedy = "generate it without `recording.contact_points = false`";
             return Err(InputError::new(path, "truth/contact_points", found, allowed, remedy).into());
         }
-        let scene = found.entry(episode.scene.clone()).or_default();
-        scene.observe(arm, &recording.frames);
+        found.entry(episode.scene.clone()).or_default().observe(arm, &recording.frames);
     }
     Ok(found)
 }
@@ -96,10 +95,8 @@ fn arms(dataset: &Dataset) -> Result<BTreeMap<String, Arm>, InputError> {
 /// The impulses of contacts and joints in a window, and the part of the change of momentum that nothing explains, Nm s.
 /// `None` if nothing is touched or a joint is at a stop.
 fn impulses(arm: &Arm, window: &[Frame]) -> Option<[DVector<f64>; 3]> {
-    let is_at_stop = |frame: &Frame| {
-        let mut angles = arm.joints.iter().zip(&frame.joint_angle_rad);
-        angles.any(|(joint, angle)| joint.is_at_stop(*angle))
-    };
+    let is_at_stop =
+        |frame: &Frame| arm.joints.iter().zip(&frame.joint_angle_rad).any(|(joint, angle)| joint.is_at_stop(*angle));
     let (first, last) = (window.first()?, window.last()?);
     if window[1..].iter().all(|frame| frame.contact_points.is_empty()) || window.iter().any(is_at_stop) {
         return None;

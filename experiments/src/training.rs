@@ -90,9 +90,8 @@ impl Trials {
     pub fn append(&mut self, place: usize, label: Option<&str>, other: Trials) {
         for (all, more) in [(&mut self.component, other.component), (&mut self.taxel, other.taxel)] {
             for trial in more {
-                let number = all.len() as u64;
                 all.push(Trial {
-                    trial: number,
+                    trial: all.len() as u64,
                     reach: Some(place as u64),
                     category: label.map(str::to_owned).or(trial.category),
                     ..trial
@@ -103,9 +102,8 @@ impl Trials {
 
     /// The trials of the run's training reaches, extracted with these options.
     pub fn of_dataset(session: &Session, dataset: &Dataset, options: &TrialOptions) -> Result<Self, Fault> {
-        let reaches = reaches(session.experiment);
         let parts = contact_trials::each_episode(dataset, session.progress, |_, own| Ok(Trials::cut(own, options)?))?;
-        Ok(Trials::joined(session.experiment, &reaches, options, parts))
+        Ok(Trials::joined(session.experiment, &reaches(session.experiment), options, parts))
     }
 
     /// The trials of all reaches of a campaign with these numbers of reaches of each training scene, in their order.
@@ -158,8 +156,7 @@ impl Trials {
     pub fn lasting(&self, min_samples: usize) -> Self {
         let renumbered = |trials: &[Trial]| {
             let long = trials.iter().filter(|trial| trial.samples.len() >= min_samples);
-            let numbered = long.zip(0..).map(|(trial, number)| Trial { trial: number, ..trial.clone() });
-            numbered.collect()
+            long.zip(0..).map(|(trial, number)| Trial { trial: number, ..trial.clone() }).collect()
         };
         Trials { component: renumbered(&self.component), taxel: renumbered(&self.taxel) }
     }

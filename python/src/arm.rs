@@ -85,8 +85,7 @@ impl PyArm {
         let position = self.arm.end_effector_pose(&links).position;
         let jacobian = self.arm.position_jacobian(&links, self.arm.end_effector_link, position);
         let rows: Vec<f64> = jacobian.transpose().iter().copied().collect();
-        let place = array::row(py, position.to_array())?;
-        Ok((place, array::copy(py, &rows, &[3, joints])?))
+        Ok((array::row(py, position.to_array())?, array::copy(py, &rows, &[3, joints])?))
     }
 
     fn __repr__(&self) -> String {
@@ -97,10 +96,9 @@ impl PyArm {
         let files: Vec<_> = self.arm.files.iter().map(|file| (&file.name, &file.text)).collect();
         // A scene may have made the joints stiffer than the files say.
         let joints = self.arm.joints.iter();
-        let springs: Vec<_> = joints
-            .map(|own| [own.stiffness_nm_per_rad, own.model_stiffness_nm_per_rad, own.damping_nm_s_per_rad])
-            .collect();
-        json::pickled::<PyArm>(py, &(files, springs))
+        let springs =
+            joints.map(|own| [own.stiffness_nm_per_rad, own.model_stiffness_nm_per_rad, own.damping_nm_s_per_rad]);
+        json::pickled::<PyArm>(py, &(files, springs.collect::<Vec<_>>()))
     }
 
     #[staticmethod]
@@ -193,9 +191,8 @@ impl Skin {
 
     fn __repr__(&self) -> String {
         let patches = self.layout.patches.iter();
-        let listed: Vec<String> =
-            patches.map(|patch| format!("{}: {} taxels", patch.name, patch.taxels.len())).collect();
-        format!("Skin({})", listed.join(", "))
+        let listed = patches.map(|patch| format!("{}: {} taxels", patch.name, patch.taxels.len()));
+        format!("Skin({})", listed.collect::<Vec<_>>().join(", "))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {

@@ -34,7 +34,7 @@ pub struct Numbers {
     /// Keeps the numbers for as long as the array lives.
     _owner: Box<dyn Any + Send + Sync>,
     address: usize,
-    code: &'static str,
+    code: String,
     shape: Vec<usize>,
 }
 
@@ -42,11 +42,11 @@ impl Numbers {
     /// These numbers, row after row.
     pub fn new<T: Number>(numbers: Vec<T>, shape: &[usize]) -> Self {
         debug_assert_eq!(numbers.len(), shape.iter().product::<usize>(), "numbers of an array of shape {shape:?}");
-        Self::owned_by(numbers.as_ptr() as usize, T::CODE, shape, Box::new(numbers))
+        Self::owned_by(numbers.as_ptr() as usize, T::CODE.into(), shape, Box::new(numbers))
     }
 
     /// The numbers at an address, with NumPy's code for their type. They stay there as long as their owner lives.
-    pub fn owned_by(address: usize, code: &'static str, shape: &[usize], owner: Box<dyn Any + Send + Sync>) -> Self {
+    pub fn owned_by(address: usize, code: String, shape: &[usize], owner: Box<dyn Any + Send + Sync>) -> Self {
         Numbers { _owner: owner, address, code, shape: shape.to_vec() }
     }
 

@@ -118,8 +118,7 @@ impl PyModel {
 
     /// Scores of whole trials, nats: (trials, categories).
     fn scores<'py>(&self, py: Python<'py>, trials: &Trials) -> Answer<'py> {
-        let scores = self.scores_of_all(py, trials)?;
-        Ok(array::lend_rows(py, scores.concat(), self.model.classifier.categories().len())?)
+        Ok(array::lend_rows(py, self.scores_of_all(py, trials)?.concat(), self.model.classifier.categories().len())?)
     }
 
     /// Scores after the first k samples of a trial, for ascending k from 1: (len(counts), categories).
@@ -143,8 +142,7 @@ impl PyModel {
         let decision = self.deciding(decision)?;
         let judge = decision.prepare(&self.model.classifier.categories())?;
         let scores = self.scores_of_all(py, trials)?;
-        let verdict = |scores: &Vec<f64>| judge.choose(scores).name().to_owned();
-        Ok(scores.iter().map(verdict).collect())
+        Ok(scores.iter().map(|own| judge.choose(own).name().to_owned()).collect())
     }
 
     /// Classify frame by frame.

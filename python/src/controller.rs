@@ -1,7 +1,8 @@
-//! Controllers written in Python, and the shipped controllers for use from Python.
+//! Controllers written in Python, the shipped controllers for use from Python, and what controllers know.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use nalgebra::Matrix3xX;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use underbrush_recording::FRAME_PERIOD_S;
@@ -11,8 +12,81 @@ use underbrush_sim::controller::{
 };
 use underbrush_sim::reach::MakeController;
 
-use crate::controller_input::PyControllerInput;
 use crate::{Answer, Failure, PyArm, PyScene, Stop, array};
+
+/// What a controller knows at one instant.
+#[pyclass(frozen, name = "ControllerInput", module = "underbrush._core")]
+pub struct PyControllerInput(pub ControllerInput);
+
+/// The rows of a matrix, one after the other.
+fn rows(matrix: &Matrix3xX<f64>) -> Vec<f64> {
+    matrix.transpose().iter().copied().collect()
+}
+
+/// The getters of arrays, each with its doc, the numbers and their shape. Every call returns a new array.
+macro_rules! getters {
+    ($($(#[$doc:meta])* $name:ident: |$own:ident| $numbers:expr, [$($size:expr),*];)*) => {
+        #[pymethods]
+        impl PyControllerInput {
+            /// What touches every taxel that senses a force, with ``verdicts``: nothing, the name of a category, uncertain or
+            /// unknown; None where nothing judges it.
+            #[getter]
+            fn contact_verdict(&self) -> Vec<Option<&str>> {
+                let verdicts = self.0.contacts.iter().map(|contact| contact.verdict.as_ref());
+                verdicts.map(|verdict| verdict.map(|verdict| verdict.touched.name())).collect()
+            }
+
+            $(
+                $(#[$doc])*
+                #[getter]
+                fn $name<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+                    let $own = &self.0;
+                    let numbers: Vec<_> = $numbers.collect();
+                    array::copy(py, &numbers, &[$($size),*])
+                }
+            )*
+        }
+    };
+}
+getters! {
+    /// Joint angles, rad: (joints,).
+    joint_angle_rad: |own| own.joint_angle_rad.iter().copied(), [own.joint_angle_rad.len()];
+    /// Joint velocities, rad/s: (joints,).
+    joint_velocity_rad_per_s: |own| own.joint_velocity_rad_per_s.iter().copied(), [own.joint_angle_rad.len()];
+    /// Equilibrium angles, rad: (joints,).
+    equilibrium_angle_rad: |own| own.equilibrium_angle_rad.iter().copied(), [own.joint_angle_rad.len()];
+    /// Pose of the end effector, world frame: x, y, z in m, and a quaternion x, y, z, w.
+    end_effector_pose_world: |own| own.end_effector_pose_world.numbers().into_iter(), [7];
+    /// Jacobian of the end effector's position, m/rad, world frame: (3, joints).
+    end_effector_jacobian: |own| rows(&own.end_effector_jacobian).into_iter(), [3, own.joint_angle_rad.len()];
+    /// Goal of the end effector, m, world frame: (3,).
+    goal_position_world: |own| own.goal_position_world.to_array().into_iter(), [3];
+    /// Index of the patch of every taxel that senses a force: (contacts,).
+    contact_patch: |own| own.contacts.iter().map(|contact| contact.patch as i64), [own.contacts.len()];
+    /// Index in its patch of every taxel that senses a force: (contacts,).
+    contact_taxel: |own| own.contacts.iter().map(|contact| contact.taxel as i64), [own.contacts.len()];
+    /// Sensed force of every taxel that senses a force, N: (contacts,).
+    contact_force_n: |own| own.contacts.iter().map(|contact| contact.force_n), [own.contacts.len()];
+    /// Largest force that verdicts allow every taxel that senses a force, N; NaN where the controller's own limit
+    /// holds: (contacts,).
+    contact_allowed_force_n: |own| own.contacts.iter().map(|contact| contact.allowed_force_n.unwrap_or(f64::NAN)),
+        [own.contacts.len()];
+    /// Inward unit normal of every taxel that senses a force, world frame, the direction of the force on the arm:
+    /// (contacts, 3).
+    contact_normal_world: |own| own.contacts.iter().flat_map(|contact| contact.inward_normal_world.to_array()),
+        [own.contacts.len(), 3];
+    /// Centre of every taxel that senses a force, m, world frame: (contacts, 3).
+    contact_position_world: |own| own.contacts.iter().flat_map(|contact| contact.position_world.to_array()),
+        [own.contacts.len(), 3];
+    /// Index of the link of every taxel that senses a force: (contacts,).
+    contact_link: |own| own.contacts.iter().map(|contact| contact.link as i64), [own.contacts.len()];
+    /// How probable the verdict on every taxel that senses a force is; NaN where there is none: (contacts,).
+    contact_verdict_probability: |own| (own.contacts.iter())
+        .map(|contact| contact.verdict.as_ref().map_or(f64::NAN, |verdict| verdict.probability)), [own.contacts.len()];
+    /// Jacobian of the centre of every taxel that senses a force, m/rad, world frame: (contacts, 3, joints).
+    contact_jacobian: |own| own.contacts.iter().flat_map(|contact| rows(&contact.position_jacobian)),
+        [own.contacts.len(), 3, own.joint_angle_rad.len()];
+}
 
 /// A controller that ships, to be called from Python. With ``scene`` it knows how high the ground is, as in a reach.
 #[pyclass(frozen, name = "ShippedController", module = "underbrush._core")]
@@ -100,9 +174,8 @@ impl Controller for PythonController {
                     Ok((angles, text)) => (angles, intent(&text)?),
                     Err(_) => (answer, Intent::Onward),
                 };
-                let joints = input.joint_angle_rad.len();
                 let name = format!("the answer of the controller {}", self.name);
-                Ok((array::finite(&answer, &name, &[Some(joints)])?, intent))
+                Ok((array::finite(&answer, &name, &[Some(input.joint_angle_rad.len())])?, intent))
             })
         });
         // After an exception the reach ends before the next frame.
@@ -151,9 +224,7 @@ pub fn chosen(
     object: Option<&Bound<'_, PyAny>>,
     stop: &Arc<Stop>,
 ) -> Result<(Option<ControllerKind>, Option<MakeController>), Failure> {
-    let Some(object) = object else {
-        return Ok((None, None));
-    };
+    let Some(object) = object else { return Ok((None, None)) };
     match object.extract::<String>() {
         Ok(name) => Ok((Some(ControllerKind::from_name(&name)?), None)),
         Err(_) => Ok((None, Some(maker(object, stop)?))),
@@ -184,13 +255,12 @@ fn maker(object: &Bound<'_, PyAny>, stop: &Arc<Stop>) -> Result<MakeController, 
             };
             let rated = made.and_then(|own| Ok((rate_hz(&own)?, own)));
             let (rate, callable) = rated.map_err(|error| stop.raise(error)).ok().unzip();
-            let controller: Box<dyn Controller> = Box::new(PythonController {
+            Box::new(PythonController {
                 name: name_of(callable.as_ref().unwrap_or(bound)),
                 rate_hz: rate.unwrap_or(RATE_HZ),
                 callable: callable.map(Bound::unbind),
                 stop: Arc::clone(&stop),
-            });
-            controller
+            }) as Box<dyn Controller>
         })
     }))
 }
@@ -200,9 +270,7 @@ fn maker(object: &Bound<'_, PyAny>, stop: &Arc<Stop>) -> Result<MakeController, 
 /// # Errors
 /// `Fault::Input` as an exception, for anything but a positive number up to the rate of frames.
 fn rate_hz(controller: &Bound<'_, PyAny>) -> PyResult<f64> {
-    let Some(value) = controller.getattr_opt("rate_hz")? else {
-        return Ok(RATE_HZ);
-    };
+    let Some(value) = controller.getattr_opt("rate_hz")? else { return Ok(RATE_HZ) };
     match value.extract::<f64>() {
         Ok(rate) if rate > 0.0 && rate <= 1.0 / FRAME_PERIOD_S => Ok(rate),
         _ => {

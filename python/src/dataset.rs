@@ -117,17 +117,15 @@ impl PyDataset {
             None => (0..self.__len__()).collect(),
         };
         let read = || {
-            let batches: Result<Vec<_>, Failure> =
-                places.into_par_iter().map(|place| Ok(self.dataset.read_table(place, name)?)).collect();
-            Ok(batches?.concat())
+            let batches = places.into_par_iter().map(|place| self.dataset.read_table(place, name));
+            Ok(batches.collect::<Result<Vec<_>, _>>()?.concat())
         };
         PyTable::new(pool::detached(py, None, read)?)
     }
 
     /// The largest contact force of each reach, N: (reaches,).
     fn peak_contact_forces_n<'py>(&self, py: Python<'py>) -> Answer<'py> {
-        let numbers = alone(py, || Ok(self.dataset.peak_contact_forces_n()?))?;
-        Ok(array::lend(py, numbers, &[self.__len__()])?)
+        Ok(array::lend(py, alone(py, || Ok(self.dataset.peak_contact_forces_n()?))?, &[self.__len__()])?)
     }
 
     /// Cut all reaches into contact trials.
@@ -136,9 +134,8 @@ impl PyDataset {
     fn trials(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> Result<Trials, Failure> {
         let options = given::cutting(options)?;
         let cut = |reported: &Reported| Ok(contact_trials::of_dataset(&self.dataset, &options, reported)?);
-        let list = watched(py, None, &Arc::default(), None, cut)?;
         let source = model_data::of_reaches(&self.dataset, self.dataset.episodes().iter());
-        Ok(Trials::new(list).cut_from(vec![source]))
+        Ok(Trials::new(watched(py, None, &Arc::default(), None, cut)?).cut_from(vec![source]))
     }
 
     /// Check the hash of every file.

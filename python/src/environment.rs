@@ -120,9 +120,8 @@ impl PyEnvironments {
     ) -> Result<Option<Bound<'py, PyAny>>, Failure> {
         let state = self.lock()?;
         let environment = state.environments.all().get(index);
-        let Some((simulation, frame)) = environment.and_then(|own| own.simulation().zip(own.frame())) else {
-            return Ok(None);
-        };
+        let shown = environment.and_then(|own| own.simulation().zip(own.frame()));
+        let Some((simulation, frame)) = shown else { return Ok(None) };
         picture::draw(py, (simulation, &frame), (width, height), camera, "rgb").map(Some)
     }
 
@@ -148,17 +147,13 @@ impl PyEnvironments {
 
     /// Take a step with each environment: one row of `actions` for each.
     fn step<'py>(&self, py: Python<'py>, actions: &Bound<'py, PyAny>) -> Result<Answer<'py>, Failure> {
-        let shape = [Some(self.count), Some(self.action_size)];
-        let actions = array::finite(actions, "action", &shape)?;
+        let actions = array::finite(actions, "action", &[Some(self.count), Some(self.action_size)])?;
         let mut state = self.lock()?;
         let own = &mut *state;
         let stepped = py.detach(|| {
             // One environment needs no other thread.
             let helpers = if self.count > 1 { self.helpers.get()? } else { None };
-            pool::guarded(|| {
-                let observations = &mut own.observations;
-                Ok(own.environments.step(helpers.as_deref(), &actions, observations)?)
-            })
+            pool::guarded(|| Ok(own.environments.step(helpers.as_deref(), &actions, &mut own.observations)?))
         })?;
         let stepped: Vec<Option<Stepped>> = stepped.into_iter().map(Some).collect();
         self.answer(py, &state, &stepped)

@@ -11,7 +11,7 @@ use underbrush_classifier::evaluate::{
 };
 use underbrush_classifier::fit_options::FitOptions;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
-use underbrush_classifier::{Classifier, ClassifierKind, Estimator, HmmClassifier, Model, Recipe, Scores};
+use underbrush_classifier::{ClassifierKind, Estimator, HmmClassifier, Model, Recipe, Scores};
 use underbrush_experiments::model_data;
 
 use crate::python_classifier::{PythonClassifier, PythonEstimator};
@@ -113,9 +113,7 @@ pub fn fit(
     let outlier_prior = outlier_prior.unwrap_or(ThresholdTargets::OUTLIER_PRIOR);
     let training = options.recipe.as_ref().map(|recipe| recipe.training);
     let fitted = || -> Result<_, Failure> {
-        let Some(start) = start else {
-            return Ok(Model::new(options.estimator()?.fit(&trials.all())?));
-        };
+        let Some(start) = start else { return Ok(Model::new(options.estimator()?.fit(&trials.all())?)) };
         let (models, training) = (start.model.hmm()?, training.unwrap_or_default());
         Ok(Model::new(Box::new(HmmClassifier::train_from(models, &trials.list, &training)?)))
     };
@@ -203,10 +201,7 @@ pub fn evaluate_trials<'py>(
     let by = group.map(|name| given::named("group", name)).transpose()?;
     let own = Folds { count: folds.unwrap_or(Folds::COUNT), by: by.unwrap_or_else(|| FoldBy::advised(list)) };
     let judged = watched(py, jobs, &raised, None, |_| match train {
-        Some(train) => {
-            let fitted: Box<dyn Classifier> = estimator.fit(&train.all())?;
-            Ok(evaluate(fitted.as_ref(), list, &decision)?.into())
-        }
+        Some(train) => Ok(evaluate(estimator.fit(&train.all())?.as_ref(), list, &decision)?.into()),
         None => {
             warn_of_left_out(list);
             let evaluation = cross_validate(list, estimator, own, &decision)?;

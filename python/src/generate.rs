@@ -72,8 +72,7 @@ pub fn generate_again(
 /// Demands that a set is not both resumed and removed, and that its folder is not one of the inputs.
 fn check_room(out: &Path, inputs: &[PathBuf], resume: bool, force: bool) -> Result<(), Failure> {
     if resume && force {
-        let allowed = "either resume or force";
-        return Err(Failure::argument("force", "True with resume", allowed, "leave one out"));
+        return Err(Failure::argument("force", "True with resume", "either resume or force", "leave one out"));
     }
     Ok(check_not_input(out, inputs)?)
 }
@@ -86,9 +85,7 @@ pub fn part((number, count): (u64, u64)) -> Result<Shard, Failure> {
     if (1..=count).contains(&number) {
         return Ok(Shard { index: number - 1, count });
     }
-    let found = format!("({number}, {count})");
-    let allowed = "(I, N) with 1 <= I <= N";
-    Err(Failure::argument("shard", found, allowed, "count shards from 1"))
+    Err(Failure::argument("shard", format!("({number}, {count})"), "(I, N) with 1 <= I <= N", "count shards from 1"))
 }
 
 /// Runs a campaign and writes its set.

@@ -91,8 +91,7 @@ pub fn options<T: DeserializeOwned>(arguments: Option<&Bound<'_, PyDict>>) -> Re
 /// # Errors
 /// `Fault::Input` with the names that exist.
 pub fn named<T: DeserializeOwned>(argument: &str, name: &str) -> Result<T, Failure> {
-    let value: Result<T, Refused> = T::deserialize(name.into_deserializer());
-    value.map_err(|refused| refused.within(argument).into())
+    T::deserialize(name.into_deserializer()).map_err(|refused: Refused| refused.within(argument).into())
 }
 
 /// A dictionary as a type of the libraries. Errors as for [`options`].

@@ -35,8 +35,7 @@ pub fn pickled<'py, C: PyTypeInfo>(
     py: Python<'py>,
     value: &impl Serialize,
 ) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {
-    let text = serde_json::to_string(value).map_err(Failure::run)?;
-    Ok((py.get_type::<C>().getattr("_from_json")?, (text,)))
+    Ok((py.get_type::<C>().getattr("_from_json")?, (serde_json::to_string(value).map_err(Failure::run)?,)))
 }
 
 /// A value from the JSON in a pickle.

@@ -7,7 +7,6 @@ mod arm;
 mod array;
 mod classifier;
 mod controller;
-mod controller_input;
 mod dataset;
 mod environment;
 mod failure;
@@ -23,7 +22,6 @@ mod progress;
 mod python_classifier;
 mod reach;
 mod scene;
-mod sequences;
 mod simulation;
 mod study;
 mod table;
@@ -52,8 +50,7 @@ mod _core {
         arm::{PyArm, Skin},
         array::Numbers,
         classifier::PyModel,
-        controller::ShippedController,
-        controller_input::PyControllerInput,
+        controller::{PyControllerInput, ShippedController},
         dataset::PyDataset,
         environment::PyEnvironments,
         fitting::{Options, classifiers, evaluate_trials, fit},

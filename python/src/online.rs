@@ -75,10 +75,9 @@ impl Online {
         }
         if let Some(patch) = self.needs_poses_of.iter().copied().find(|patch| !frame.has_pose(*patch)) {
             let name = &self.layout.patches[patch].name;
-            let found = format!("no pose of the patch {name}");
             let remedy = format!("make it with patch_poses={{{name:?}: …}}");
             let allowed = "a frame with this pose, because the classifier uses motion";
-            return Err(Failure::argument("frame", found, allowed, remedy));
+            return Err(Failure::argument("frame", format!("no pose of the patch {name}"), allowed, remedy));
         }
         let mut state = self.lock()?;
         let time_s = frame.frame.time_s;
@@ -132,8 +131,7 @@ pub fn online(
     decision: Option<&Bound<'_, PyAny>>,
 ) -> Result<Online, Failure> {
     let own = PythonClassifier::of(classifier, &Arc::new(Stop::default()))?;
-    let decision = given::decision(decision, &Scores::of_any_kind())?;
-    let options = OnlineOptions::new(patch, threshold_n, decision);
+    let options = OnlineOptions::new(patch, threshold_n, given::decision(decision, &Scores::of_any_kind())?);
     let judge = OnlineJudge::OfTrials(Box::new(OnlineClassifier::new(&own, &skin.layout, &options)?));
     let needs_poses_of = options.needs_pose_of(&own, &skin.layout).into_iter().collect();
     Ok(Online { raised: own.raised, ..Online::new(judge, own.categories, skin, needs_poses_of) })

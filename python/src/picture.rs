@@ -166,8 +166,7 @@ fn each<T: Send + Clone>(
         draw(*number)
     };
     let all = |_: &_| Ok(numbers.par_iter().map(draw).collect::<Result<Vec<Vec<T>>, RenderError>>()?);
-    let drawn = watched(py, None, &Arc::default(), None, all)?;
-    Ok(drawn.concat())
+    Ok(watched(py, None, &Arc::default(), None, all)?.concat())
 }
 
 /// The page with some reaches of data sets, recordings, folders of recordings and tables of trials inside, as the text of one HTML file.

@@ -57,8 +57,7 @@ fn check(jobs: usize) -> Result<usize, Failure> {
         return Ok(jobs);
     }
     let allowed = format!("1 to {MAX_JOBS} threads");
-    let remedy = "use as many as there are cores";
-    Err(Failure::argument("jobs", jobs.to_string(), allowed, remedy))
+    Err(Failure::argument("jobs", jobs.to_string(), allowed, "use as many as there are cores"))
 }
 
 /// Threads that help the calling thread repeatedly.
@@ -73,8 +72,7 @@ impl Helpers {
     /// # Errors
     /// `Fault::Input` if `jobs` is out of range.
     pub fn new(jobs: Option<usize>) -> Result<Self, Failure> {
-        let cores = || Ok(std::thread::available_parallelism().map_or(1, usize::from));
-        let jobs = jobs.map_or_else(cores, check)?;
+        let jobs = jobs.map_or_else(|| Ok(std::thread::available_parallelism().map_or(1, usize::from)), check)?;
         Ok(Helpers { threads: jobs - 1, pool: Made(Mutex::new(None)) })
     }
 

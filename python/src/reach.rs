@@ -104,8 +104,7 @@ impl Reach {
             match &reach.source {
                 Source::Memory(recording) => sources.push(model_data::of_recording(recording)),
                 Source::Dataset(dataset, index) => {
-                    let of_set = of_sets.entry(dataset.dir()).or_insert((dataset, vec![]));
-                    of_set.1.push(&dataset.episodes()[*index]);
+                    of_sets.entry(dataset.dir()).or_insert((dataset, vec![])).1.push(&dataset.episodes()[*index]);
                 }
             }
         }
@@ -185,8 +184,7 @@ impl Reach {
     /// Names of the columns. `column` reads those of numbers; lists, such as `truth.contact_points`, are in `frames` alone.
     #[getter]
     fn column_names(&self, py: Python<'_>) -> Result<Vec<String>, Failure> {
-        let recording = alone(py, || self.recording())?;
-        Ok(recording_columns(&recording))
+        Ok(recording_columns(&*alone(py, || self.recording())?))
     }
 
     /// Time since the start of the reach, s: (frames,).
@@ -312,8 +310,7 @@ impl Reach {
     /// All frames with their ground truth as a table, one row per frame.
     #[getter]
     fn frames(&self, py: Python<'_>) -> Result<PyTable, Failure> {
-        let table = alone(py, || Ok(recording_table(&*self.recording()?)?))?;
-        PyTable::new(vec![table])
+        PyTable::new(vec![alone(py, || Ok(recording_table(&*self.recording()?)?))?])
     }
 
     /// Cut the reach into contact trials.
@@ -321,8 +318,7 @@ impl Reach {
                         labels='contact', wrap=None)")]
     fn trials(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> Result<Trials, Failure> {
         let options = given::cutting(options)?;
-        let cut = || Ok(contact_trials::of_recording(&*self.recording()?, &options)?);
-        let mut list = alone(py, cut)?;
+        let mut list = alone(py, || Ok(contact_trials::of_recording(&*self.recording()?, &options)?))?;
         if let Source::Dataset(_, index) = self.source {
             list.iter_mut().for_each(|trial| trial.reach = Some(index as u64));
         }

@@ -27,9 +27,8 @@ pub fn scene(value: &Bound<'_, PyAny>) -> Result<Scene, Failure> {
         return Ok(scene.get().scene.clone());
     }
     let path: PathBuf = value.extract().map_err(|_| {
-        let found = format!("an object of type {}", value.get_type());
         let allowed = "a Scene, the name of a scene that ships, or the path of a scene file";
-        Failure::argument("scene", found, allowed, "give one of them")
+        Failure::argument("scene", format!("an object of type {}", value.get_type()), allowed, "give one of them")
     })?;
     Ok(lasting(Scene::open(path)?))
 }

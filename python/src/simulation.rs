@@ -112,16 +112,14 @@ impl PySimulation {
     #[getter]
     fn goals_world<'py>(&self, py: Python<'py>) -> Answer<'py> {
         let simulation = self.lock()?;
-        let goals = simulation.clutter().goals.iter();
-        Ok(array::lend_rows(py, goals.flat_map(|goal| goal.to_array()).collect(), 3)?)
+        Ok(array::lend_rows(py, simulation.clutter().goals.iter().flat_map(|goal| goal.to_array()).collect(), 3)?)
     }
 
     /// Ground truth: the largest force between one link and one object in the last frame, N.
     #[getter]
     fn largest_contact_force_n(&self) -> Result<f64, Failure> {
         let simulation = self.lock()?;
-        let largest = simulation.report().tactile.largest_force();
-        Ok(largest.map_or(0.0, |force| force.force_n))
+        Ok(simulation.report().tactile.largest_force().map_or(0.0, |force| force.force_n))
     }
 
     /// Draw arm and clutter as they are now, with an arrow for each contact force on the arm.
@@ -143,16 +141,14 @@ impl PySimulation {
         kind: &str,
     ) -> Result<Bound<'py, PyAny>, Failure> {
         let simulation = self.lock()?;
-        let frame = self.frame(&simulation).frame;
-        picture::draw(py, (&simulation, &frame), (width, height), camera, kind)
+        picture::draw(py, (&simulation, &self.frame(&simulation).frame), (width, height), camera, kind)
     }
 
     /// What the numbers of a segmentation mean: 0 is the background, 1 the table; then follow links and objects.
     #[getter]
     fn labels(&self) -> Result<Vec<String>, Failure> {
         let simulation = self.lock()?;
-        let frame = self.frame(&simulation).frame;
-        Ok(Stage::now(&simulation, &frame, None, 1.0, false)?.2)
+        Ok(Stage::now(&simulation, &self.frame(&simulation).frame, None, 1.0, false)?.2)
     }
 
     fn _repr_png_<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyBytes>, Failure> {
@@ -174,9 +170,7 @@ pub fn step_many(
     equilibrium_rad: &Bound<'_, PyAny>,
     jobs: Option<usize>,
 ) -> Result<Vec<PyFrame>, Failure> {
-    let Some(first) = simulations.first() else {
-        return Ok(Vec::new());
-    };
+    let Some(first) = simulations.first() else { return Ok(Vec::new()) };
     let joints = first.get().plan.arm.joints.len();
     if let Some(other) = simulations.iter().find(|other| other.get().plan.arm.joints.len() != joints) {
         let found = format!("arms with {joints} and with {} joints", other.get().plan.arm.joints.len());
@@ -186,8 +180,7 @@ pub fn step_many(
     if !simulations.iter().all(|simulation| known.insert(simulation.as_ptr() as usize)) {
         return Err(Failure::argument("simulations", "one of them twice", "each once", "copy() it"));
     }
-    let shape = [Some(simulations.len()), Some(joints)];
-    let angles = array::finite(equilibrium_rad, "equilibrium_rad", &shape)?;
+    let angles = array::finite(equilibrium_rad, "equilibrium_rad", &[Some(simulations.len()), Some(joints)])?;
     let simulations: Vec<&PySimulation> = simulations.iter().map(Py::get).collect();
     pool::detached(py, jobs, || {
         // All are locked first: if another thread is using one of them, none has moved.

@@ -20,8 +20,7 @@ use crate::{Answer, Failure, Reported, Stop, alone, controller, generate, json, 
 #[pyfunction]
 #[pyo3(signature = (path, seed = 0))]
 pub fn inspect(py: Python<'_>, path: PathBuf, seed: u64) -> Answer<'_> {
-    let found = alone(py, || Ok(inspection::inspect(&path, seed)?))?;
-    json::to_python(py, &found)
+    json::to_python(py, &alone(py, || Ok(inspection::inspect(&path, seed)?))?)
 }
 
 /// Run regression suites and hold what they find against their bounds.

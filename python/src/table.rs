@@ -11,7 +11,7 @@ use arrow_array::{
     RecordBatchIterator, StringArray,
 };
 use arrow_buffer::OffsetBuffer;
-use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
+use arrow_schema::{ArrowError, Field, Schema, SchemaRef};
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 use rayon::prelude::*;
@@ -65,8 +65,7 @@ fn array(column: disk::Column) -> Result<ArrayRef, ArrowError> {
         Rows::Lists { ends, present } => {
             let values = array_of(column.values, None);
             let starts = [0].into_iter().chain(ends.iter().copied());
-            let lengths = ends.iter().zip(starts).map(|(end, start)| end - start);
-            let offsets = OffsetBuffer::from_lengths(lengths);
+            let offsets = OffsetBuffer::from_lengths(ends.iter().zip(starts).map(|(end, start)| end - start));
             Arc::new(ListArray::try_new(item(&values), offsets, values, Some(present.into()))?)
         }
     })
@@ -107,8 +106,7 @@ impl PyTable {
 
     /// The capsule of the C stream interface.
     pub fn stream<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
-        let batches = self.batches.clone().into_iter().map(Ok);
-        let reader = RecordBatchIterator::new(batches, Arc::clone(&self.schema));
+        let reader = RecordBatchIterator::new(self.batches.clone().into_iter().map(Ok), Arc::clone(&self.schema));
         PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(reader)), c"arrow_array_stream")
     }
 }
@@ -171,19 +169,15 @@ fn numbers(column: &ArrayRef, is_wide: bool) -> Option<Numbers> {
         None if is_wide => (Arc::clone(column), vec![column.len(), 1]),
         None => (Arc::clone(column), vec![column.len()]),
     };
-    let code = match values.data_type() {
-        DataType::Float64 => "f8",
-        DataType::Float32 => "f4",
-        DataType::Int64 => "i8",
-        DataType::Int32 => "i4",
-        DataType::Int16 => "i2",
-        DataType::Int8 => "i1",
-        DataType::UInt64 => "u8",
-        DataType::UInt32 => "u4",
+    let kind = match values.data_type() {
+        own if own.is_floating() => 'f',
+        own if own.is_signed_integer() => 'i',
+        own if own.is_unsigned_integer() => 'u',
         _ => return None,
     };
-    let data = values.to_data();
-    let address = data.buffers()[0].as_ptr() as usize + data.offset() * values.data_type().primitive_width()?;
+    let bytes = values.data_type().primitive_width()?;
+    let (data, code) = (values.to_data(), format!("{kind}{bytes}"));
+    let address = data.buffers()[0].as_ptr() as usize + data.offset() * bytes;
     (values.null_count() == 0).then(|| Numbers::owned_by(address, code, &shape, Box::new(values)))
 }
 
@@ -231,9 +225,8 @@ impl Column {
     /// As [`Column::of`], and those of reading.
     pub fn of_reaches(dataset: &Dataset, reaches: &[usize], name: &str, single: Option<bool>) -> Result<Self, Failure> {
         let Some((width, stored_single)) = dataset.width_of_floats(name) else {
-            let batches: Result<Vec<_>, Failure> =
-                reaches.par_iter().map(|reach| Ok(dataset.read_columns(*reach, &[name])?)).collect();
-            let batches = batches?.concat().into_iter().map(record_batch);
+            let read = reaches.par_iter().map(|reach| dataset.read_columns(*reach, &[name]));
+            let batches = read.collect::<Result<Vec<_>, _>>()?.concat().into_iter().map(record_batch);
             return Column::of(&batches.collect::<Result<Vec<_>, _>>()?, name, single);
         };
         let rows = frames(dataset, reaches).sum();

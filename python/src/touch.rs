@@ -178,9 +178,8 @@ impl Given {
     /// `Fault::Input` for anything else, and if a folder cannot be read.
     fn of(argument: &str, value: &Bound<'_, PyAny>) -> Result<Self, Failure> {
         let refused = |found: &Bound<'_, PyAny>| {
-            let found = format!("an object of type {}", found.get_type());
             let allowed = "a Dataset, a list of reaches, or paths of data sets, recordings and folders of recordings";
-            Failure::argument(argument, found, allowed, "give one of them")
+            Failure::argument(argument, format!("an object of type {}", found.get_type()), allowed, "give one of them")
         };
         let items: Vec<Bound<'_, PyAny>> = match value.extract::<PathBuf>() {
             Ok(_) => vec![value.clone()],

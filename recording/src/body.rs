@@ -155,10 +155,7 @@ impl TrackPoint {
 
     /// The pose, with a quaternion of unit length.
     pub fn pose(&self) -> Pose {
-        Pose {
-            position: DVec3::from_array(self.position_world_m.map(f64::from)),
-            orientation: self.quaternion().normalize(),
-        }
+        Pose::new(DVec3::from_array(self.position_world_m.map(f64::from)), self.quaternion().normalize())
     }
 
     fn quaternion(&self) -> DQuat {

@@ -112,10 +112,7 @@ impl Mul for Pose {
     type Output = Pose;
 
     fn mul(self, inner: Pose) -> Pose {
-        Pose {
-            position: self.position + self.orientation * inner.position,
-            orientation: self.orientation * inner.orientation,
-        }
+        Pose::new(self.position + self.orientation * inner.position, self.orientation * inner.orientation)
     }
 }
 

@@ -31,6 +31,8 @@ pub use audit::{Audit, AuditField};
 pub use body::{Body, BodyOwner, BodyPart, BodyShape, MappedObstacle, ObstacleKind, TrackPoint};
 pub use category::Category;
 #[cfg(feature = "disk")]
+pub(crate) use disk::Result;
+#[cfg(feature = "disk")]
 pub use disk::{Dataset, DiskError};
 pub use fault::{Fault, InputError, line_at};
 pub use frame::{ContactPoint, FRAME_PERIOD_S, Frame, Pose, TaxelReading, unit_quaternion};

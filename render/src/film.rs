@@ -71,8 +71,7 @@ impl Film {
         encoder.set_repeat(Repeat::Infinite).map_err(failed)?;
         let mut last: Vec<u8> = Vec::new();
         for some in numbers.chunks(AT_ONCE) {
-            let pictures: Vec<Result<Vec<u8>, RenderError>> = some.par_iter().map(draw).collect();
-            for picture in pictures {
+            for picture in some.par_iter().map(draw).collect::<Vec<_>>() {
                 let own: Vec<u8> = picture?.chunks_exact(3).map(&mut place).collect();
                 let changed = |(pixel, own): (usize, &u8)| if last.get(pixel) == Some(own) { UNCHANGED } else { *own };
                 let buffer = own.iter().enumerate().map(changed).collect();

@@ -98,9 +98,7 @@ impl Mesh {
     fn hull(corners: &[DVec3]) -> Self {
         let mut mesh = Mesh::default();
         let hull = convex_hull(corners);
-        let Some(hull) = hull.as_ref().and_then(|hull| hull.as_convex_polyhedron()) else {
-            return mesh;
-        };
+        let Some(hull) = hull.as_ref().and_then(|hull| hull.as_convex_polyhedron()) else { return mesh };
         let (points, triangles) = hull.to_trimesh();
         for corners in triangles {
             let [a, b, c] = corners.map(|corner| points[corner as usize]);

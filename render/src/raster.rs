@@ -69,8 +69,7 @@ pub fn spans(mut corners: [Vec3; 3], width: usize, rows: Range<usize>, mut found
         let long = crossing(top, bottom, y);
         // The rows end at the last middle of a row that is not below the triangle, so that no edge here is level.
         let short = if y <= middle.y { crossing(top, middle, y) } else { crossing(middle, bottom, y) };
-        let from = first_point(long.min(short), 0..width);
-        let to = first_point(long.max(short), 0..width);
+        let [from, to] = [long.min(short), long.max(short)].map(|end| first_point(end, 0..width));
         if from < to {
             let first = (row - rows.start) * width;
             let start = top.z + per_y * (y - top.y) + per_x * (from as f32 + 0.5 - top.x);

@@ -57,8 +57,8 @@ pub struct Scene {
 }
 
 /// A triangle in the picture.
-struct Face {
-    surface: u32,
+struct Face<'a> {
+    surface: &'a Surface,
     corners: [Vec3; 3],
     /// Normal of the side that can be lit.
     normal: Vec3,
@@ -83,10 +83,10 @@ impl Scene {
     }
 
     /// The triangles whose surfaces are of some kind.
-    pub(crate) fn triangles(&self, of: impl Fn(Kind) -> bool) -> impl Iterator<Item = (&Surface, u32, [Corner; 3])> {
+    pub(crate) fn triangles(&self, of: impl Fn(Kind) -> bool) -> impl Iterator<Item = (&Surface, [Corner; 3])> {
         self.triangles.iter().filter_map(move |(corners, own)| {
             let surface = &self.surfaces[*own as usize];
-            of(surface.kind).then(|| (surface, *own, corners.map(|corner| self.corners[corner as usize])))
+            of(surface.kind).then(|| (surface, corners.map(|corner| self.corners[corner as usize])))
         })
     }
 
@@ -98,7 +98,7 @@ impl Scene {
         let view = camera.view(size, SAMPLES)?;
         let faces = self.faces(&view, |_| true);
         let casting = self.triangles(|kind| matches!(kind, Kind::Solid | Kind::Thin));
-        let casting: Vec<[Vec3; 3]> = casting.map(|(_, _, corners)| corners.map(|corner| corner.place)).collect();
+        let casting: Vec<[Vec3; 3]> = casting.map(|(_, corners)| corners.map(|corner| corner.place)).collect();
         let shadows = Shadows::of(&casting, 3 * size.width.max(size.height) / 2);
         let ground = colour::linear(colour::GROUND);
         let (width, height) = (SAMPLES * size.width, SAMPLES * size.height);
@@ -116,7 +116,7 @@ impl Scene {
                     if buffer.face[place] != last.0 {
                         let at = [column as f32 + 0.5, (top + row) as f32 + 0.5];
                         let face = faces.get(buffer.face[place] as usize);
-                        let colour = face.map(|face| self.colour(face, &view, at, buffer.near[place], &shadows));
+                        let colour = face.map(|face| face.colour(&view, at, buffer.near[place], &shadows));
                         last = (buffer.face[place], colour.unwrap_or(ground));
                     }
                     sum += last.1;
@@ -143,15 +143,14 @@ impl Scene {
     pub fn depth_and_labels(&self, camera: &Camera, size: Size) -> Result<(Vec<f32>, Vec<u16>), RenderError> {
         let faces = self.faces(&camera.view(size, 1)?, |kind| kind != Kind::Mark);
         let buffer = Buffer::of(size.width, 0..size.height, faces.iter().map(|face| face.corners));
-        let label = |face: &Face| self.surfaces[face.surface as usize].label;
-        let labels = buffer.face.iter().map(|face| faces.get(*face as usize).map_or(0, label));
+        let labels = buffer.face.iter().map(|face| faces.get(*face as usize).map_or(0, |face| face.surface.label));
         Ok((buffer.near.iter().map(|near| 1.0 / near).collect(), labels.collect()))
     }
 
     /// The triangles of some kinds that face the camera, in the picture.
-    fn faces(&self, view: &View, of: impl Fn(Kind) -> bool) -> Vec<Face> {
+    fn faces(&self, view: &View, of: impl Fn(Kind) -> bool) -> Vec<Face<'_>> {
         let mut faces = Vec::new();
-        for (surface, own, corners) in self.triangles(of) {
+        for (surface, corners) in self.triangles(of) {
             let normal = (corners[1].place - corners[0].place).cross(corners[2].place - corners[0].place);
             let thin = surface.kind == Kind::Thin;
             if !thin && normal.dot(corners[0].place - view.eye) >= 0.0 {
@@ -163,23 +162,26 @@ impl Scene {
             for last in 2..shown.len() {
                 let corners = [shown[0], shown[last - 1], shown[last]];
                 let light = [0, 1].map(|which| slope(corners.map(|(place, light)| (place, light[which]))));
-                faces.push(Face { surface: own, corners: corners.map(|corner| corner.0), normal, light });
+                faces.push(Face { surface, corners: corners.map(|corner| corner.0), normal, light });
             }
         }
         faces
     }
+}
 
-    fn colour(&self, face: &Face, view: &View, at: [f32; 2], near: f32, shadows: &Shadows) -> Vec3 {
-        let surface = &self.surfaces[face.surface as usize];
-        let [around, direct] = face.light.map(|light| light.dot(Vec3::new(1.0, at[0], at[1])));
-        if surface.kind == Kind::Mark {
-            return surface.colour;
+impl Face<'_> {
+    /// Its colour at this point of the picture, which is so near.
+    fn colour(&self, view: &View, at: [f32; 2], near: f32, shadows: &Shadows) -> Vec3 {
+        let Surface { kind, colour, .. } = *self.surface;
+        if kind == Kind::Mark {
+            return colour;
         }
+        let [around, direct] = self.light.map(|light| light.dot(Vec3::new(1.0, at[0], at[1])));
         let place = view.place(at, near);
-        let lit = if direct > 0.0 { direct * shadows.lit(place, face.normal) } else { 0.0 };
-        let lined = surface.kind == Kind::Table && face.normal.z > 0.9;
+        let lit = if direct > 0.0 { direct * shadows.lit(place, self.normal) } else { 0.0 };
+        let lined = kind == Kind::Table && self.normal.z > 0.9;
         let line = if lined { DARKER * grid(place, SAMPLES as f32 / (near * view.focal)) } else { 0.0 };
-        surface.colour * (around + lit) * (1.0 - line)
+        colour * (around + lit) * (1.0 - line)
     }
 }
 

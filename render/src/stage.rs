@@ -112,13 +112,10 @@ impl<'a> Stage<'a> {
         let further = distinct(categories.filter(|name| !colour::is_known(name)));
         let mut labels = vec!["background".to_owned(), "table".to_owned()];
         let mut parts: Vec<Part> = Vec::new();
-        for (index, body) in bodies.iter().enumerate() {
-            if let Some(last) = parts.last_mut().filter(|last| bodies[last.bodies.start].owner == body.owner) {
-                last.bodies.end = index + 1;
-                continue;
-            }
+        for own in bodies.chunk_by(|one, next| one.owner == next.owner) {
+            let first = parts.last().map_or(0, |last| last.bodies.end);
             let label = labels.len() as u16;
-            let colour = match &body.owner {
+            let colour = match &own[0].owner {
                 BodyOwner::Link(name) => {
                     labels.push(format!("link {name}"));
                     colour::linear(colour::ARM)
@@ -130,7 +127,8 @@ impl<'a> Stage<'a> {
                     colour::of_category(category, &further) * (1.0 + 0.12 * (f32::from(*object % 3) - 1.0))
                 }
             };
-            parts.push(Part { bodies: index..index + 1, surface: Surface { kind: Kind::Solid, colour, label } });
+            let surface = Surface { kind: Kind::Solid, colour, label };
+            parts.push(Part { bodies: first..first + own.len(), surface });
         }
         let at_rest = bodies.iter().zip(&meshes).flat_map(|(body, mesh)| placed(mesh, body.rest_pose_world));
         let seen = at_rest.chain(places_world.iter().copied()).collect();
@@ -218,17 +216,14 @@ impl<'a> Stage<'a> {
         let pose = match &camera.link {
             None => Pose::IDENTITY,
             Some(link) => {
-                let links = || {
-                    self.bodies.iter().filter_map(|body| match &body.owner {
-                        BodyOwner::Link(name) => Some((body, name.as_str())),
-                        BodyOwner::Object(_) => None,
-                    })
-                };
-                let carrier = links().find(|(_, name)| name == link).map(|(body, _)| body.pose_world(number));
-                carrier.ok_or_else(|| {
-                    let links: Vec<&str> = links().map(|(_, name)| name).collect();
-                    RenderError::Link { link: link.clone(), links: links.join(", ") }
-                })?
+                let mut links = Vec::new();
+                let carrier = self.bodies.iter().find(|body| {
+                    let BodyOwner::Link(name) = &body.owner else { return false };
+                    links.push(name.as_str());
+                    name == link
+                });
+                let missing = || RenderError::Link { link: link.clone(), links: links.join(", ") };
+                carrier.ok_or_else(missing)?.pose_world(number)
             }
         };
         let [eye_world, target_world] = [camera.eye_m, camera.target_m].map(|place| pose.transform_point(place));

@@ -159,9 +159,7 @@ pub struct Running {
 impl Running {
     /// The list, which holds this reach alone.
     pub fn list(&self) -> Response {
-        let Some((latest, status)) = self.live.so_far() else {
-            return no_answer();
-        };
+        let Some((latest, status)) = self.live.so_far() else { return no_answer() };
         let line = Summary::of(&latest.recording, &self.known);
         Response::list(&[Summary { running: !status.ended, ..line }])
     }
@@ -175,9 +173,7 @@ impl Running {
         if number > 0 {
             return Response::text(404, no_such_reach(number, 1).to_string());
         }
-        let Some((latest, _)) = self.live.so_far() else {
-            return no_answer();
-        };
+        let Some((latest, _)) = self.live.so_far() else { return no_answer() };
         match pack_from(&latest.recording, &self.known, latest.verdicts.as_ref(), from) {
             Ok(bytes) => Response::reach(Arc::new(bytes)),
             Err(error) => Response::text(500, error.to_string()),

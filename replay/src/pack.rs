@@ -4,54 +4,62 @@
 //! those that the recording stores. Taxels are numbered through all patches. `replay/page/src/reach.ts` reads what is
 //! written here.
 
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 use underbrush_classifier::trial::{TrialError, TrialOptions, taxel_trials};
-use underbrush_recording::{
-    Audit, Body, Contact, Fault, Frame, GoalOutcomes, GoalRecord, Grid, MappedObstacle, NamedStop, ObjectRecord,
-    Outcome, Pose, Recording, Taxel,
-};
+use underbrush_recording::{Body, Contact, Fault, Frame, Grid, Pose, Recording, SkinLayout};
 
 use crate::container::{MAX_BYTES, Sections, first_taxels, starts};
 use crate::judging::unjudged;
 use crate::verdicts::VerdictHeader;
 use crate::{Judging, ReplayContext, Verdicts};
 
-#[derive(Serialize)]
+/// What the page reads of a reach before its arrays.
 struct Header<'a> {
-    scene: &'a str,
-    controller: &'a str,
-    /// As text, because JavaScript's numbers have 53 bits.
-    seed: String,
-    reach_index: u64,
-    rate_hz: f64,
-    /// The number of the first frame whose rows are here.
-    from: usize,
-    /// The number of frames from the start of the reach.
-    frames: usize,
-    outcome: Outcome,
-    goal_outcomes: GoalOutcomes,
-    safety_stop: Option<NamedStop>,
-    /// What does not change while a reach runs. Left out unless `from` is 0.
-    #[serde(flatten)]
-    fixed: Option<Fixed<'a>>,
-    goals: &'a [GoalRecord],
-    contacts: Vec<&'a Contact>,
-    map: &'a [MappedObstacle],
-    audit: Audit,
-    audit_warnings: Vec<String>,
-    /// The controller's largest allowed force on a taxel, if the controller is known.
-    force_limit_n: Option<f64>,
-    /// A taxel is in contact while it senses more than this, N.
-    threshold_n: f64,
+    recording: &'a Recording,
+    known: &'a ReplayContext,
     verdicts: Option<&'a VerdictHeader>,
+    threshold_n: f64,
+    from: usize,
 }
 
-#[derive(Serialize)]
-struct Fixed<'a> {
-    joint_names: &'a [String],
-    patches: Vec<PatchHeader<'a>>,
-    objects: &'a [ObjectRecord],
-    bodies: &'a [Body],
+impl Serialize for Header<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Header { recording, known, verdicts, threshold_n, from } = self;
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("scene", &recording.scene)?;
+        map.serialize_entry("controller", &recording.controller)?;
+        // As text, because JavaScript's numbers have 53 bits.
+        map.serialize_entry("seed", &recording.seed.to_string())?;
+        map.serialize_entry("reach_index", &recording.reach_index)?;
+        map.serialize_entry("rate_hz", &recording.rate_hz)?;
+        // The number of the first frame whose rows are here, and the number of frames from the start of the reach.
+        map.serialize_entry("from", from)?;
+        map.serialize_entry("frames", &recording.frames.len())?;
+        map.serialize_entry("outcome", &recording.outcome())?;
+        map.serialize_entry("goal_outcomes", &recording.goal_outcomes())?;
+        map.serialize_entry("safety_stop", &recording.safety_stop())?;
+        // What does not change while a reach runs.
+        if *from == 0 {
+            map.serialize_entry("joint_names", &recording.joint_names)?;
+            map.serialize_entry("patches", &patches(&recording.layout))?;
+            map.serialize_entry("objects", &recording.objects)?;
+            map.serialize_entry("bodies", &recording.bodies)?;
+        }
+        map.serialize_entry("goals", &recording.goals)?;
+        // A contact that lasted until the frame before `from` may have gone on.
+        let goes_on = |contact: &&Contact| contact.last_frame as usize + 1 >= *from;
+        map.serialize_entry("contacts", &recording.contacts.iter().filter(goes_on).collect::<Vec<_>>())?;
+        map.serialize_entry("map", &recording.map)?;
+        map.serialize_entry("audit", &recording.audit)?;
+        map.serialize_entry("audit_warnings", &(known.audit_warnings)(&recording.audit, &recording.layout))?;
+        // The controller's largest allowed force on a taxel, if the controller is known.
+        map.serialize_entry("force_limit_n", &(known.force_limit_n)(&recording.controller))?;
+        // A taxel is in contact while it senses more than this, N.
+        map.serialize_entry("threshold_n", threshold_n)?;
+        map.serialize_entry("verdicts", verdicts)?;
+        map.end()
+    }
 }
 
 #[derive(Serialize)]
@@ -107,38 +115,16 @@ pub fn pack_from(
     if let Some(verdicts) = verdicts {
         verdicts.add(from, &mut sections);
     }
-    // A contact that lasted until the frame before `from` may have gone on.
-    let goes_on = |contact: &&Contact| contact.last_frame as usize + 1 >= from;
-    let header = Header {
-        scene: &recording.scene,
-        controller: &recording.controller,
-        seed: recording.seed.to_string(),
-        reach_index: recording.reach_index,
-        rate_hz: recording.rate_hz,
-        from,
-        frames: recording.frames.len(),
-        outcome: recording.outcome(),
-        goal_outcomes: recording.goal_outcomes(),
-        safety_stop: recording.safety_stop(),
-        fixed: (from == 0).then(|| fixed(recording)),
-        goals: &recording.goals,
-        contacts: recording.contacts.iter().filter(goes_on).collect(),
-        map: &recording.map,
-        audit: recording.audit,
-        audit_warnings: (known.audit_warnings)(&recording.audit, &recording.layout),
-        force_limit_n: (known.force_limit_n)(&recording.controller),
-        threshold_n,
-        verdicts: verdicts.map(|verdicts| &verdicts.header),
-    };
+    let verdicts = verdicts.map(|verdicts| &verdicts.header);
+    let header = Header { recording, known, verdicts, threshold_n, from };
     sections.finish(&header).map_err(|bytes| {
         let reach = name(recording);
         Fault::Usage(format!("{reach}: takes {bytes} bytes; the page can read {MAX_BYTES} bytes a reach"))
     })
 }
 
-/// What of a reach does not change while it runs.
-fn fixed(recording: &Recording) -> Fixed<'_> {
-    let patches = recording.layout.patches.iter().zip(first_taxels(&recording.layout));
+fn patches(layout: &SkinLayout) -> Vec<PatchHeader<'_>> {
+    let patches = layout.patches.iter().zip(first_taxels(layout));
     let patches = patches.map(|(patch, first_taxel)| PatchHeader {
         name: &patch.name,
         link: &patch.link,
@@ -146,12 +132,7 @@ fn fixed(recording: &Recording) -> Fixed<'_> {
         first_taxel,
         taxels: patch.taxels.len(),
     });
-    Fixed {
-        joint_names: &recording.joint_names,
-        patches: patches.collect(),
-        objects: &recording.objects,
-        bodies: &recording.bodies,
-    }
+    patches.collect()
 }
 
 /// Adds one row per frame.
@@ -175,10 +156,9 @@ fn add_frames(frames: &[Frame], sections: &mut Sections) {
 /// Adds one row per taxel.
 fn add_taxels(recording: &Recording, sections: &mut Sections) {
     let taxels = || recording.layout.patches.iter().flat_map(|patch| &patch.taxels);
-    let each = |read: fn(&Taxel) -> [f64; 3]| taxels().flat_map(read);
-    sections.add_single("taxel_position_link_m", each(|taxel| taxel.position_link.to_array()));
-    sections.add_single("taxel_normal_link", each(|taxel| taxel.normal_link.to_array()));
-    sections.add_single("taxel_tangent_link", each(|taxel| taxel.tangent_link.to_array()));
+    sections.add_single("taxel_position_link_m", taxels().flat_map(|taxel| taxel.position_link.to_array()));
+    sections.add_single("taxel_normal_link", taxels().flat_map(|taxel| taxel.normal_link.to_array()));
+    sections.add_single("taxel_tangent_link", taxels().flat_map(|taxel| taxel.tangent_link.to_array()));
     sections.add_single("taxel_area_m2", taxels().map(|taxel| taxel.area_m2));
 }
 
@@ -187,15 +167,11 @@ fn add_taxels(recording: &Recording, sections: &mut Sections) {
 fn add_readings(frames: &[Frame], first_taxels: &[u32], sections: &mut Sections) {
     sections.add("reading_start", starts(frames.iter().map(|frame| frame.taxels.len())));
     let readings = || frames.iter().flat_map(|frame| &frame.taxels);
-    let taxel = readings().map(|reading| {
-        let first = first_taxels.get(usize::from(reading.patch)).copied();
-        first.unwrap_or_default() + u32::from(reading.taxel)
-    });
-    sections.add("reading_taxel", taxel);
+    let first = |patch: u16| first_taxels.get(usize::from(patch)).copied().unwrap_or_default();
+    sections.add("reading_taxel", readings().map(|reading| first(reading.patch) + u32::from(reading.taxel)));
     sections.add_single("reading_sensed_n", readings().map(|reading| reading.sensed_force_n));
     sections.add_single("reading_true_n", readings().map(|reading| reading.true_normal_force_n));
-    let shear = readings().flat_map(|reading| reading.true_shear_force_n);
-    sections.add_single("reading_shear_n", shear);
+    sections.add_single("reading_shear_n", readings().flat_map(|reading| reading.true_shear_force_n));
     let object = readings().map(|reading| reading.object.map_or(-1, |object| object as i16));
     sections.add("reading_object", object);
 }
@@ -218,40 +194,30 @@ fn add_tracks(bodies: &[Body], from: usize, sections: &mut Sections) {
 /// # Errors
 /// If a frame does not fit the skin.
 fn add_trials(recording: &Recording, threshold_n: f64, from: usize, sections: &mut Sections) -> Result<(), TrialError> {
-    let (mut taxels, mut firsts, mut starts, mut objects) = (Vec::new(), Vec::new(), vec![0], Vec::new());
-    let (mut motions, mut regions, mut region_sums) = (Vec::new(), Vec::new(), Vec::new());
+    // Without joints, as in a table of trials, it is unknown how the skin moved and which taxels are neighbours.
+    let has_arm = !recording.joint_names.is_empty();
+    let (mut trials, mut starts, mut samples) = (Vec::new(), vec![0], Vec::new());
     for (patch, first_taxel) in recording.layout.patches.iter().zip(first_taxels(&recording.layout)) {
         let options = TrialOptions { patch: Some(patch.name.clone()), threshold_n, ..TrialOptions::default() };
         for contact in taxel_trials(recording, &options)? {
-            let samples = &contact.trial.samples;
-            let Some(first) = samples.first() else { continue };
+            let Some(first) = contact.trial.samples.first() else { continue };
             // Times of samples are copied from frames, whose times rise.
             let frame = recording.frames.partition_point(|frame| frame.time_s < first.time_s);
             let known = from.saturating_sub(frame);
-            if known >= samples.len() {
-                continue;
-            }
-            taxels.push(first_taxel + contact.trial.taxel.unwrap_or_default());
-            firsts.push(frame as u32);
-            objects.push(contact.object.map_or(-1, |object| object as i16));
-            for sample in &samples[known..] {
-                // Without joints, as in a table of trials, it is unknown how the skin moved and which taxels are
-                // neighbours.
-                let has_arm = !recording.joint_names.is_empty();
-                let region = sample.region.filter(|_| has_arm);
-                motions.push(sample.motion_m.filter(|_| has_arm).unwrap_or(f64::NAN));
-                regions.push(region.map_or(0, |region| region.taxels as u16));
-                region_sums.push(region.map_or(f64::NAN, |region| region.force_sum_n));
-            }
-            starts.push(motions.len() as u32);
+            let Some(new @ [_, ..]) = contact.trial.samples.get(known..) else { continue };
+            let taxel = first_taxel + contact.trial.taxel.unwrap_or_default();
+            trials.push((taxel, frame as u32, contact.object.map_or(-1, |object| object as i16)));
+            samples.extend(new.iter().map(|own| if has_arm { (own.motion_m, own.region) } else { (None, None) }));
+            starts.push(samples.len() as u32);
         }
     }
-    sections.add("trial_taxel", taxels);
-    sections.add("trial_first_frame", firsts);
-    sections.add("trial_object", objects);
+    sections.add("trial_taxel", trials.iter().map(|(taxel, ..)| *taxel));
+    sections.add("trial_first_frame", trials.iter().map(|(_, frame, _)| *frame));
+    sections.add("trial_object", trials.iter().map(|(.., object)| *object));
     sections.add("trial_sample_start", starts);
-    sections.add_single("sample_motion_m", motions);
-    sections.add("sample_region_taxels", regions);
-    sections.add_single("sample_region_force_n", region_sums);
+    sections.add_single("sample_motion_m", samples.iter().map(|(motion_m, _)| motion_m.unwrap_or(f64::NAN)));
+    let regions = || samples.iter().map(|(_, region)| region);
+    sections.add("sample_region_taxels", regions().map(|own| own.map_or(0, |own| own.taxels as u16)));
+    sections.add_single("sample_region_force_n", regions().map(|own| own.map_or(f64::NAN, |own| own.force_sum_n)));
     Ok(())
 }

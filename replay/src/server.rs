@@ -19,7 +19,7 @@ const KEPT: usize = 4;
 const STATUS: &str = "/api/live";
 const COMMAND: &str = "/api/live/";
 
-/// The packed reaches that were asked for last.
+/// The packed reaches that were asked for last, the newest first.
 type Kept = Vec<(usize, Arc<Vec<u8>>)>;
 
 /// Where the reaches come from.
@@ -108,10 +108,10 @@ impl Shared {
         let path = self.path(&request.head.target).map(str::to_owned);
         let answer = match &path {
             Some(path) => self.refusal(&request, path).unwrap_or_else(|| self.answer(&request, path)),
-            None => {
-                let remedy = "open the whole address that the program has printed";
-                Response::text(403, format!("the address lacks the key of this server; {remedy}"))
-            }
+            None => Response::text(
+                403,
+                "the address lacks the key of this server; open the whole address that the program has printed",
+            ),
         };
         match &self.content {
             // The status is sent until the reach ends.
@@ -171,20 +171,17 @@ impl Shared {
 /// A packed reach. Only one is packed at a time, so memory stays bounded however many are asked for.
 fn reach(source: &Source, kept: &Mutex<Kept>, number: usize) -> Response {
     let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(place) = kept.iter().position(|(other, _)| *other == number) {
-        let found = kept.remove(place);
-        kept.push(found);
-    } else {
-        match source.pack(number) {
-            Ok(bytes) => kept.push((number, Arc::new(bytes))),
-            Err(error) => {
-                let status = if number < source.reaches.len() { 500 } else { 404 };
-                return Response::text(status, error.to_string());
-            }
+    let place = kept.iter().position(|(other, _)| *other == number);
+    let bytes = match place.map(|place| kept.remove(place)) {
+        Some((_, bytes)) => Ok(bytes),
+        None => source.pack(number).map(Arc::new),
+    };
+    match bytes {
+        Ok(bytes) => {
+            kept.insert(0, (number, Arc::clone(&bytes)));
+            kept.truncate(KEPT);
+            Response::reach(bytes)
         }
-        let surplus = kept.len().saturating_sub(KEPT);
-        kept.drain(..surplus);
+        Err(error) => Response::text(if number < source.reaches.len() { 500 } else { 404 }, error.to_string()),
     }
-    let bytes = kept.last().map(|(_, bytes)| Arc::clone(bytes)).unwrap_or_default();
-    Response::reach(bytes)
 }

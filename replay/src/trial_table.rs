@@ -100,9 +100,8 @@ fn layout(path: &Path, trials: &[Trial]) -> Result<SkinLayout, InputError> {
     let patch = |(name, count): (&str, usize)| {
         let columns = (1..).find(|columns| columns * columns >= count).unwrap_or(count);
         let rows = count.div_ceil(columns);
-        let place = |taxel: usize| DVec3::new((taxel % columns) as f64, -((taxel / columns) as f64), 0.0) * PITCH_M;
-        let taxel = |taxel| Taxel {
-            position_link: place(taxel),
+        let taxel = |taxel: usize| Taxel {
+            position_link: DVec3::new((taxel % columns) as f64, -((taxel / columns) as f64), 0.0) * PITCH_M,
             normal_link: DVec3::Z,
             tangent_link: DVec3::X,
             area_m2: PITCH_M * PITCH_M,

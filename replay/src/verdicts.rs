@@ -73,8 +73,7 @@ impl VerdictHeader {
     }
 
     fn code(&self, verdict: &str) -> u8 {
-        let place = self.verdicts.iter().position(|name| name == verdict);
-        place.unwrap_or_default() as u8
+        self.verdicts.iter().position(|name| name == verdict).unwrap_or_default() as u8
     }
 }
 

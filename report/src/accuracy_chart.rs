@@ -1,8 +1,8 @@
 //! Charts in per cent: of accuracies over named places, with several series, the majority baseline and published figures; and
 //! of shares against shares, such as ROC curves, as a square with its diagonal.
 
-use crate::drawing::{Axis, Chart, Dash, Layer, Point, Shape, Style, chart, joined};
-use crate::style::{INK, MAJORITY};
+use crate::drawing::{Axis, Chart, Layer, Point, Shape, Style, chart, joined};
+use crate::style::{MAJORITY, REFERENCE};
 
 /// A chart that is being put together, with its description in words.
 pub struct AccuracyChart {
@@ -52,7 +52,7 @@ impl AccuracyChart {
     /// Adds a dotted level from the first place to the last.
     pub fn level(&mut self, name: &str, percent: f64) {
         let ends = [0, self.places.len() - 1].map(|place| (place as f64, percent));
-        self.layers.push(Layer::new(name, Style::line(INK, Dash::Dotted), Shape::Line(ends.to_vec())));
+        self.layers.push(Layer::new(name, REFERENCE, Shape::Line(ends.to_vec())));
     }
 
     /// The chart, to be drawn. Its axis begins at `lowest` per cent or below.
@@ -76,8 +76,7 @@ pub fn square_chart(
     diagonal: &str,
     layers: Vec<Layer>,
 ) -> String {
-    let ends = Shape::Line(vec![(0.0, 0.0), (100.0, 100.0)]);
-    let diagonal = Layer::new(diagonal, Style::line(INK, Dash::Dotted), ends);
+    let diagonal = Layer::new(diagonal, REFERENCE, Shape::Line(vec![(0.0, 0.0), (100.0, 100.0)]));
     let axes = (Axis::spanning(x, 0.0, 100.0), Axis::spanning(y, 0.0, 100.0));
     chart(name, title, description, axes, [vec![diagonal], layers].concat())
 }

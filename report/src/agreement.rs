@@ -59,19 +59,15 @@ fn with_published(what: &str, cells: &[&Compared]) -> Option<String> {
         pairs.len() - higher
     );
     if pairs.iter().all(|(cell, _)| cell.covers) {
-        let covered = pairs
-            .iter()
-            .filter(|(cell, published)| cell.interval.is_some_and(|(low, high)| (low..=high).contains(published)));
-        text +=
-            &format!(" The paper's figure lies within the interval of {}.", counted(covered.count(), "cell", "cells"));
+        let contains = |(low, high): (f64, f64), published: &f64| (low..=high).contains(published);
+        let covered =
+            pairs.iter().filter(|(cell, published)| cell.interval.is_some_and(|own| contains(own, published)));
+        let cells = counted(covered.count(), "cell", "cells");
+        text += &format!(" The paper's figure lies within the interval of {cells}.");
     }
     let (cell, published) = farthest;
-    text += &format!(
-        " The largest difference is in {}: {:.1} % here, {published:.1} % in the paper.",
-        cell.key.name(),
-        cell.accuracy
-    );
-    Some(text)
+    let (name, here) = (cell.key.name(), cell.accuracy);
+    Some(text + &format!(" The largest difference is in {name}: {here:.1} % here, {published:.1} % in the paper."))
 }
 
 /// The cells in which a constant verdict would be more accurate.

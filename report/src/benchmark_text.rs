@@ -48,10 +48,8 @@ fn of_verdicts(verdicts: &Verdicts) -> String {
     let fitted = |force_n: f64| format!(", with up to {force_n:.3} N called nothing, which the benchmark fitted");
     let nothing = verdicts.nothing_up_to_n.map_or_else(String::new, fitted);
     let forearm = of_objects("forearm", &verdicts.forearm);
-    let flipper = verdicts
-        .flipper
-        .as_ref()
-        .map_or("The model does not judge the flipper.\n".into(), |own| of_objects("flipper", own));
+    let flipper = verdicts.flipper.as_ref().map(|own| of_objects("flipper", own));
+    let flipper = flipper.unwrap_or_else(|| "The model does not judge the flipper.\n".into());
     format!(
         "{forearm}{flipper}Nothing, leaf or trunk, taxel frames of the forearm: {} %{nothing}.\n",
         percent(&verdicts.nothing_leaf_or_trunk)

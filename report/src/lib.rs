@@ -30,7 +30,9 @@ use underbrush_recording::Fault;
 
 use accuracy_chart::{AccuracyChart, lowest, square_chart};
 use drawing::{Axis, Cell, Dash, Layer, Mark, Page, Point, Rows, Shape, Style, Table, chart, escape, joined, slug};
-use report::{ACCURACY_COLUMNS, ACCURACY_HEADINGS, Report, by_touch, campaigns_by_touch, possessive, seeds};
+use report::{
+    ACCURACY_COLUMNS, ACCURACY_HEADINGS, Report, by_touch, campaigns_by_touch, capitalized, possessive, seeds,
+};
 
 /// A report, ready to be written.
 pub struct Written {

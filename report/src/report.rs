@@ -1,7 +1,7 @@
 //! A report that is being written: the page, its tables, and the text for the terminal.
 
 use underbrush_experiments::accuracy::{Accuracy, Figures, Part, Spread};
-use underbrush_experiments::definition::{Published, PublishedSection};
+use underbrush_experiments::definition::Published;
 use underbrush_experiments::experiment::campaigns::CampaignFigures;
 use underbrush_experiments::{CellKey, Results, unit_name};
 
@@ -41,7 +41,7 @@ impl<'a> Report<'a> {
     /// Begins a section. `name` is the name of the experiment. If something is published on its subject, the heading
     /// names the published figure and the section begins with its statement.
     pub fn section(&mut self, name: &str, heading: &str) {
-        let own: Option<&PublishedSection> = self.published().and_then(|published| published.sections.get(name));
+        let own = self.published().and_then(|published| published.sections.get(name));
         let figure = own.and_then(|own| own.figure.as_ref());
         let heading = figure.map_or_else(|| capitalized(heading), |figure| format!("{figure}: {heading}"));
         self.page.section(&heading);
@@ -81,9 +81,9 @@ impl<'a> Report<'a> {
     }
 }
 
-/// The heading with a capital first letter, for use without the number of a figure.
-fn capitalized(heading: &str) -> String {
-    let mut letters = heading.chars();
+/// A text with a capital first letter, such as a heading without the number of a figure.
+pub fn capitalized(text: &str) -> String {
+    let mut letters = text.chars();
     let first = letters.next().into_iter().flat_map(char::to_uppercase);
     first.chain(letters.clone()).collect()
 }

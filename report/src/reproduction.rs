@@ -40,12 +40,8 @@ impl Reproduction<'_> {
         for warning in audit::warnings(data.dataset.episodes(), &data.dataset.plan().layout) {
             progress.remark(&warning);
         }
-        let trials = &data.trials;
-        let tables = [("component", &trials.component), ("taxel", &trials.taxel)];
-        for (unit, trials) in tables {
-            let path = out.join(format!("trials-{unit}.parquet"));
-            write_trials(path, trials)?;
-        }
+        write_trials(out.join("trials-component.parquet"), &data.trials.component)?;
+        write_trials(out.join("trials-taxel.parquet"), &data.trials.taxel)?;
         let text = online_models::model(&session)?.save_string();
         write(&out.join("model.json"), text?.as_bytes())?;
         let results = Results::of(&session)?;

@@ -26,6 +26,8 @@ pub const WRONG: &str = "#d55e00";
 pub const INK: &str = "#222222";
 /// The first of several series: the first recipe, the fewest states.
 pub const FIRST: Style = Style::marked("#0072b2", Dash::Solid, Mark::Circle);
+/// Levels and diagonals to compare with.
+pub const REFERENCE: Style = Style::line(INK, Dash::Dotted);
 /// Published figures.
 pub const PUBLISHED: Style = Style::marked(INK, Dash::Dotted, Mark::Diamond);
 /// The majority baseline: a line without marks.

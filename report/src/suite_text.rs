@@ -1,6 +1,5 @@
 //! Results of suites as readable text, and as files for other programs.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use underbrush_experiments::files;
@@ -39,9 +38,9 @@ fn of_suite(result: &SuiteResult) -> String {
             .column("found", |bound| shown(bound.found))
             .column("± SE", |bound| shown(bound.standard_error))
             .column("reaches", |bound| bound.values.len())
-            .column("at least", |bound| shown(bound.at_least))
-            .column("at most", |bound| shown(bound.at_most))
-            .column("blessed", |bound| shown(bound.blessed))
+            .column("at least", |bound| shown(bound.allowed.at_least))
+            .column("at most", |bound| shown(bound.allowed.at_most))
+            .column("blessed", |bound| shown(bound.allowed.blessed))
             .column("", |bound| match bound.verdict {
                 BoundVerdict::Holds => "holds",
                 BoundVerdict::TooSmall => "TOO SMALL",
@@ -60,8 +59,7 @@ fn of_suite(result: &SuiteResult) -> String {
     if !unbounded.is_empty() {
         text += &format!("\nmetrics without a bound: {}; --bless writes bounds for them\n", unbounded.len());
     }
-    let broken = result.broken().count();
-    let held = bounds - broken;
+    let held = bounds - result.broken().count();
     text + &format!("\n{}: {held} of {bounds} bounds hold\n", result.suite)
 }
 
@@ -69,8 +67,8 @@ fn of_suite(result: &SuiteResult) -> String {
 fn why(result: &SuiteResult, scene: &SceneResult, bound: &BoundResult) -> String {
     let found = shown(bound.found);
     let what = match bound.verdict {
-        BoundVerdict::TooSmall => format!("is {found}, less than at_least = {}", shown(bound.at_least)),
-        BoundVerdict::TooLarge => format!("is {found}, more than at_most = {}", shown(bound.at_most)),
+        BoundVerdict::TooSmall => format!("is {found}, less than at_least = {}", shown(bound.allowed.at_least)),
+        BoundVerdict::TooLarge => format!("is {found}, more than at_most = {}", shown(bound.allowed.at_most)),
         BoundVerdict::NotMeasured => "could not be measured in any reach".into(),
         BoundVerdict::NoBound => format!("is {found} and has no bound yet; write one with --bless"),
         BoundVerdict::Holds => "holds".into(),
@@ -115,33 +113,31 @@ fn number(value: f64) -> String {
 /// The results as JUnit XML, which CI systems show test by test: a `testsuite` for each scene and a `testcase` for each of
 /// its bounds. There are no times, so that the same results give the same bytes.
 fn junit_xml(results: &[SuiteResult]) -> String {
-    let scenes = results.iter().flat_map(|result| &result.scenes);
-    let tests: usize = scenes.map(|scene| scene.bounds.len()).sum();
+    let scenes = || results.iter().flat_map(|result| result.scenes.iter().map(move |scene| (result, scene)));
+    let tests: usize = scenes().map(|(_, scene)| scene.bounds.len()).sum();
     let failures: usize = results.iter().map(|result| result.broken().count()).sum();
-    let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
-    let _ = writeln!(text, "<testsuites name=\"underbrush check\" tests=\"{tests}\" failures=\"{failures}\">");
-    for result in results {
-        for scene in &result.scenes {
-            let class = escape(&format!("{}.{}", result.suite, scene.scene));
-            let broken = scene.bounds.iter().filter(|bound| bound.verdict != BoundVerdict::Holds).count();
-            let tests = scene.bounds.len();
-            let _ = writeln!(text, "  <testsuite name=\"{class}\" tests=\"{tests}\" failures=\"{broken}\">");
-            for bound in &scene.bounds {
-                let name = escape(&bound.name);
-                if bound.verdict == BoundVerdict::Holds {
-                    let _ = writeln!(text, "    <testcase classname=\"{class}\" name=\"{name}\"/>");
-                    continue;
-                }
-                let why = why(result, scene, bound);
-                let message = escape(why.lines().next().unwrap_or_default());
-                let lines = joined(why.lines().map(escape), "\n");
-                let _ = writeln!(text, "    <testcase classname=\"{class}\" name=\"{name}\">");
-                let _ = writeln!(text, "      <failure message=\"{message}\">{lines}</failure>");
-                text.push_str("    </testcase>\n");
-            }
-            text.push_str("  </testsuite>\n");
+    let suites: String = scenes().map(|(result, scene)| junit_suite(result, scene)).collect();
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"underbrush check\" tests=\"{tests}\" \
+         failures=\"{failures}\">\n{suites}</testsuites>\n"
+    )
+}
+
+/// The `testsuite` of a scene.
+fn junit_suite(result: &SuiteResult, scene: &SceneResult) -> String {
+    let class = escape(&format!("{}.{}", result.suite, scene.scene));
+    let case = |bound: &BoundResult| {
+        let case = format!("    <testcase classname=\"{class}\" name=\"{}\"", escape(&bound.name));
+        if bound.verdict == BoundVerdict::Holds {
+            return case + "/>\n";
         }
-    }
-    text.push_str("</testsuites>\n");
-    text
+        let why = why(result, scene, bound);
+        let message = escape(why.lines().next().unwrap_or_default());
+        let lines = joined(why.lines().map(escape), "\n");
+        format!("{case}>\n      <failure message=\"{message}\">{lines}</failure>\n    </testcase>\n")
+    };
+    let cases: String = scene.bounds.iter().map(case).collect();
+    let broken = scene.bounds.iter().filter(|bound| bound.verdict != BoundVerdict::Holds).count();
+    let tests = scene.bounds.len();
+    format!("  <testsuite name=\"{class}\" tests=\"{tests}\" failures=\"{broken}\">\n{cases}  </testsuite>\n")
 }

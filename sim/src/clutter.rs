@@ -1,6 +1,8 @@
 //! One concrete draw of a scene from a seed: the objects in their places, and the goals. It can be written as a scene file, which
 //! a person can edit.
 
+use std::collections::BTreeMap;
+
 use glam::{DQuat, DVec3};
 use parry3d::shape::Cuboid;
 use toml::{Table, Value};
@@ -77,7 +79,7 @@ impl PlacedObject {
     /// The object at rest as an upright box, and its pose in the world frame.
     pub fn outline(&self) -> (Cuboid, Pose) {
         let [x, y] = self.object.half_sizes_m();
-        let half_height = self.object.height_m() / 2.0;
+        let half_height = self.object.size().1 / 2.0;
         let center = self.foot_world + DVec3::Z * half_height;
         let pose = Pose::new(center, DQuat::from_scaled_axis(DVec3::Z * self.yaw_rad));
         (Cuboid::new(DVec3::new(x, y, half_height)), pose)
@@ -85,11 +87,12 @@ impl PlacedObject {
 
     /// An upright capsule that contains the whole object at rest.
     pub fn bounding_capsule(&self) -> Capsule {
-        let radius_m = match self.object.footprint() {
+        let (footprint, height_m) = self.object.size();
+        let radius_m = match footprint {
             Footprint::Disc(radius) => radius,
             Footprint::Rectangle(x, y) => math::hypot(x, y),
         };
-        Capsule { start: self.foot_world, end: self.foot_world + DVec3::Z * self.object.height_m(), radius_m }
+        Capsule { start: self.foot_world, end: self.foot_world + DVec3::Z * height_m, radius_m }
     }
 
     /// The object as a group of a scene file.
@@ -106,7 +109,7 @@ impl PlacedObject {
     }
 
     fn laid(&self) -> LaidFootprint {
-        LaidFootprint { footprint: self.object.footprint(), center: self.foot_world.truncate(), yaw_rad: self.yaw_rad }
+        LaidFootprint { footprint: self.object.size().0, center: self.foot_world.truncate(), yaw_rad: self.yaw_rad }
     }
 }
 
@@ -128,10 +131,8 @@ impl Clutter {
         let stream = |purpose: &str| stream(seed, &scene.stream, reach_index, purpose);
         let (mut for_objects, mut for_goals) = (stream("clutter"), stream("goals"));
         let mut for_postures = stream("postures");
-        let materials = scene.file.materials.draw(&mut stream("materials")).map_err(|error| {
-            let field = format!("materials.{}", error.name);
-            scene.fault(&field, error, "a range most of whose values are physically possible")
-        })?;
+        let materials = scene.file.materials.draw(&mut stream("materials"));
+        let materials = materials.map_err(|error| scene.draw_fault("materials", error))?;
         let mut attempt = || {
             let objects = place::place_all(scene, arm, &mut for_objects)?;
             let goals = goals::draw_goals(scene, arm, &objects, &mut for_goals, &mut for_postures)?;
@@ -179,12 +180,9 @@ impl Clutter {
             let arm = std::path::absolute(&arm).unwrap_or(arm);
             table.insert("arm".into(), arm.to_string_lossy().into_owned().into());
         }
-        let mut objects = Table::new();
+        let mut objects: BTreeMap<&str, Vec<Table>> = BTreeMap::new();
         for placed in &self.objects {
-            let groups = objects.entry(placed.object.kind()).or_insert_with(|| Value::Array(Vec::new()));
-            if let Value::Array(groups) = groups {
-                groups.push(placed.group().into());
-            }
+            objects.entry(placed.object.kind()).or_default().push(placed.group());
         }
         table.insert("objects".into(), objects.into());
         let materials: Table = self.materials.values().map(|(name, value)| (name.to_owned(), value.into())).collect();
@@ -192,10 +190,8 @@ impl Clutter {
         if !materials.is_empty() {
             table.insert("materials".into(), materials.into());
         }
-        let mut goals = match table.remove("goals") {
-            Some(Value::Table(goals)) => goals,
-            _ => Table::new(),
-        };
+        let goals = table.remove("goals");
+        let mut goals = goals.and_then(|goals| goals.as_table().cloned()).unwrap_or_default();
         goals.retain(|key, _| !["count", "x_m", "y_m", "z_m"].contains(&key));
         let positions = self.goals.iter().map(|goal| goal.to_array().to_vec());
         goals.insert("positions_m".into(), positions.collect::<Vec<_>>().into());

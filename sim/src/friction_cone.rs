@@ -30,7 +30,7 @@ pub fn within_cones(carriers: &mut [Carrier], friction: f64, total: DVec3) -> bo
     if carriers.iter().all(inside) {
         return true;
     }
-    // The value and the gradient of the function of λ that is minimized.
+    // A multiplier λ, with the value and the gradient there of the function that is minimized.
     let state_at = |multiplier: DVec3| {
         let (mut value, mut slope) = (-multiplier.dot(total), -total);
         for carrier in carriers.iter() {
@@ -38,37 +38,37 @@ pub fn within_cones(carriers: &mut [Carrier], friction: f64, total: DVec3) -> bo
             value += force.length_squared() / (2.0 * carrier.weight_n);
             slope += force;
         }
-        State { multiplier, value, slope }
+        (multiplier, value, slope)
     };
     let weight_n: f64 = carriers.iter().map(|carrier| carrier.weight_n).sum();
-    let is_minimum = |state: &State| state.slope.length() <= 1e-13 * total.length();
+    let is_minimum = |slope: DVec3| slope.length() <= 1e-13 * total.length();
     // If there is no solution, λ grows without bound. In a solution no taxel carries a thousand times the total force.
-    let diverges = |state: &State| state.multiplier.length() * weight_n > 1e3 * total.length();
-    let newton_step = |state: &State| {
-        if is_minimum(state) || diverges(state) {
+    let diverges = |multiplier: DVec3| multiplier.length() * weight_n > 1e3 * total.length();
+    let newton_step = |(multiplier, _, slope): &(DVec3, f64, DVec3)| {
+        if is_minimum(*slope) || diverges(*multiplier) {
             return None;
         }
         // The curvature is zero where the apex of every cone is the nearest point. This regularization leads out of
         // that region, and it vanishes towards the minimum.
-        let mut curvature = DMat3::IDENTITY * (1e-3 * weight_n * state.slope.length() / total.length());
+        let mut curvature = DMat3::IDENTITY * (1e-3 * weight_n * slope.length() / total.length());
         for carrier in carriers.iter() {
-            curvature += project(carrier, friction, state.multiplier).1 * carrier.weight_n;
+            curvature += project(carrier, friction, *multiplier).1 * carrier.weight_n;
         }
-        Some(solve_symmetric(curvature, state.slope))
+        Some(solve_symmetric(curvature, *slope))
     };
-    let found = minimize(
+    let (multiplier, _, slope) = minimize(
         state_at(DVec3::ZERO),
         NEWTON_STEPS,
         newton_step,
-        |state, step, share| state_at(state.multiplier - *step * share),
+        |(multiplier, ..), step, share| state_at(*multiplier - *step * share),
         // Near the minimum the value changes by less than its rounding; the slope still decreases.
-        |trial, state| trial.value < state.value || trial.slope.length() < 0.5 * state.slope.length(),
+        |(_, trial, trial_slope), (_, value, slope)| trial < value || trial_slope.length() < 0.5 * slope.length(),
     );
-    if diverges(&found) && !is_minimum(&found) {
+    if diverges(multiplier) && !is_minimum(slope) {
         return false;
     }
     // The forces that the multiplier gives are accepted if they add up.
-    let force = |carrier: &Carrier| project(carrier, friction, found.multiplier).0;
+    let force = |carrier: &Carrier| project(carrier, friction, multiplier).0;
     let rest = total - carriers.iter().map(force).sum::<DVec3>();
     if rest.length() > 1e-10 * total.length() {
         return false;
@@ -81,13 +81,6 @@ pub fn within_cones(carriers: &mut [Carrier], friction: f64, total: DVec3) -> bo
         strongest.force += rest;
     }
     true
-}
-
-/// A multiplier λ, with the value and the gradient of the function there.
-struct State {
-    multiplier: DVec3,
-    value: f64,
-    slope: DVec3,
 }
 
 /// Limit of the Newton steps: several times as many as a solution needs.

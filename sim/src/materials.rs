@@ -164,13 +164,9 @@ impl MaterialFile {
 
     /// The section `[materials]` of a scene file: every constant is drawn from its range, or else has its value.
     pub fn section(&self, draws: bool) -> String {
-        let line = |(name, constant): (&String, &Constant)| {
-            let Constant { value, range: [low, high], .. } = constant;
-            if draws {
-                format!("{name} = {{ uniform = [{low:e}, {high:e}] }}\n")
-            } else {
-                format!("{name} = {value:e}\n")
-            }
+        let line = |(name, Constant { value, range: [low, high], .. }): (&String, &Constant)| match draws {
+            true => format!("{name} = {{ uniform = [{low:e}, {high:e}] }}\n"),
+            false => format!("{name} = {value:e}\n"),
         };
         let lines: String = self.constants.iter().map(line).collect();
         format!("[materials]\n{lines}")

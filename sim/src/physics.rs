@@ -11,21 +11,17 @@ pub const ENGINE: &str = "rapier3d-f64 0.36.1, enhanced-determinism";
 /// glam and our own code call. Builds whose libraries take these functions from the machine, or round otherwise, have
 /// another value, and so do their data.
 pub fn arithmetic() -> String {
-    let mut hasher = blake3::Hasher::new();
-    let mut add = |values: &[f64]| {
-        values.iter().for_each(|value| {
-            hasher.update(&value.to_le_bytes());
-        });
-    };
+    let mut values: Vec<f64> = Vec::new();
     for index in 1..1000_u32 {
         let x = f64::from(index) * 7.31e-3;
-        add(&DQuat::from_euler(EulerRot::XYZ, x, 0.3 * x, -x).to_array());
-        add(&DQuat::from_rotation_z(0.37 * x).to_scaled_axis().to_array());
+        values.extend(DQuat::from_euler(EulerRot::XYZ, x, 0.3 * x, -x).to_array());
+        values.extend(DQuat::from_rotation_z(0.37 * x).to_scaled_axis().to_array());
         let rotation = UnitQuaternion::from_scaled_axis(Vector3::new(x, -0.6 * x, 0.2));
-        add(rotation.coords.as_slice());
-        add(&[rotation.angle(), nalgebra::ComplexField::hypot(x, 0.61), math::exp(-x), math::powf(x, 0.37)]);
+        values.extend(rotation.coords.as_slice());
+        values.extend([rotation.angle(), nalgebra::ComplexField::hypot(x, 0.61), math::exp(-x), math::powf(x, 0.37)]);
     }
-    hasher.finalize().to_hex()[..16].to_owned()
+    let bytes: Vec<u8> = values.into_iter().flat_map(f64::to_le_bytes).collect();
+    blake3::hash(&bytes).to_hex()[..16].to_owned()
 }
 
 /// Step and solver options of the engine; recorded in the provenance of every data set.

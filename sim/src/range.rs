@@ -67,9 +67,7 @@ impl fmt::Display for Draw {
         match self {
             Draw::Fixed(value) => write!(f, "{}", short(*value)),
             Draw::Uniform(low, high) => write!(f, "{{ uniform = [{}, {}] }}", short(*low), short(*high)),
-            Draw::Normal(mean, deviation) => {
-                write!(f, "{{ normal = [{}, {}] }}", short(*mean), short(*deviation))
-            }
+            Draw::Normal(mean, spread) => write!(f, "{{ normal = [{}, {}] }}", short(*mean), short(*spread)),
         }
     }
 }

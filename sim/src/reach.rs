@@ -97,32 +97,17 @@ struct Reach<'a> {
     given_up: Option<String>,
 }
 
-/// A goal of the scene.
-#[derive(Clone, Copy)]
-struct Goal {
-    index: usize,
-    position_world: DVec3,
-}
-
 impl<'a> Reach<'a> {
     fn new(plan: &'a ReachPlan, simulation: Simulation, reach_index: u64, stop: &'a Stop<'a>) -> Self {
         let steering = Steering::new(plan);
-        Reach {
-            plan,
-            stop,
-            log: ReachLog::new(plan, steering.controller.name(), reach_index, &simulation),
-            steering,
-            simulation,
-            safety_stop: None,
-            given_up: None,
-        }
+        let log = ReachLog::new(plan, steering.controller.name(), reach_index, &simulation);
+        Reach { plan, stop, simulation, steering, log, safety_stop: None, given_up: None }
     }
 
     fn run(mut self, observer: &mut Observer) -> Result<Recording, ReachError> {
-        for (index, position_world) in self.simulation.clutter().goals.clone().into_iter().enumerate() {
-            let goal = Goal { index, position_world };
+        for (index, position_world) in (0..).zip(self.simulation.clutter().goals.clone()) {
             let start_time_s = self.simulation.report().time_s();
-            let outcome = self.pursue(goal, observer)?;
+            let outcome = self.pursue((index, position_world), observer)?;
             self.log.recording.goals.push(GoalRecord {
                 position_world,
                 start_time_s,
@@ -138,18 +123,19 @@ impl<'a> Reach<'a> {
         Ok(self.log.finish(&self.plan.arm))
     }
 
-    /// Drives the end effector to a goal. An arm that gets stuck backs off and tries again, as often as the scene
-    /// allows.
-    fn pursue(&mut self, goal: Goal, observer: &mut Observer) -> Result<Outcome, ReachError> {
+    /// Drives the end effector to the goal of this index and position, m, world frame. An arm that gets stuck backs off and
+    /// tries again, as often as the scene allows.
+    fn pursue(&mut self, goal: (u16, DVec3), observer: &mut Observer) -> Result<Outcome, ReachError> {
+        let (_, goal_world) = goal;
         let rules = self.plan.rules;
         let backing_off = ReachRules { time_out_s: back_off::TIME_S, ..rules };
-        let mut waypoints = [goal.position_world; 2];
+        let mut waypoints = [goal_world; 2];
         back_off::pursue(self.plan.scene.file.goals.retries, |way| {
             let (target_world, rules) = match way {
-                Way::ToGoal => (goal.position_world, rules),
+                Way::ToGoal => (goal_world, rules),
                 Way::Back => {
                     let end_effector_world = self.simulation.report().end_effector_pose_world.position;
-                    waypoints = back_off::waypoints(end_effector_world, goal.position_world);
+                    waypoints = back_off::waypoints(end_effector_world, goal_world);
                     (waypoints[0], backing_off)
                 }
                 Way::Aside => (waypoints[1], backing_off),
@@ -159,11 +145,11 @@ impl<'a> Reach<'a> {
         })
     }
 
-    /// Drives the end effector towards `target` until one of the rules ends the attempt. The frames record `goal`.
+    /// Drives the end effector towards `target` until one of the rules ends the attempt. The frames record the goal.
     fn go(
         &mut self,
         target_world: DVec3,
-        goal: Goal,
+        (goal_index, goal_world): (u16, DVec3),
         rules: ReachRules,
         observer: &mut Observer,
     ) -> Result<Outcome, ReachError> {
@@ -183,7 +169,7 @@ impl<'a> Reach<'a> {
             if let (Some(Outcome::Stuck), Intent::GivenUp(reason)) = (ended, intent) {
                 self.given_up = Some(reason.clone());
             }
-            let mut frame = self.simulation.frame(goal.index as u16, goal.position_world);
+            let mut frame = self.simulation.frame(goal_index, goal_world);
             let answered = self.steering.control(&self.simulation, &frame, target_world)?;
             self.log.auditor.observe_control(answered);
             let equilibrium_rad = &self.steering.equilibrium_rad;

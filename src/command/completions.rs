@@ -7,7 +7,7 @@ use clap_complete::Shell;
 use serde_json::json;
 use underbrush_recording::disk::DiskError;
 
-use crate::{Failure, output};
+use crate::{Cli, Failure, output};
 
 /// Options of `underbrush completions`.
 #[derive(Args)]
@@ -25,17 +25,17 @@ pub struct CompletionsOptions {
     manual: Option<PathBuf>,
 }
 
-/// Prints the script, or writes the pages of a program with this command line.
-pub fn run<Cli: CommandFactory>(options: &CompletionsOptions, json: bool) -> Result<(), Failure> {
+/// Prints the script, or writes the pages.
+pub fn run(options: CompletionsOptions, json: bool) -> Result<(), Failure> {
     let mut program = Cli::command();
     if let Some(shell) = options.shell {
         let mut script = Vec::new();
         clap_complete::generate(shell, &mut program, "underbrush", &mut script);
         return output::line(String::from_utf8_lossy(&script).trim_end());
     }
-    let Some(folder) = &options.manual else { return Ok(()) };
-    std::fs::create_dir_all(folder)
-        .and_then(|()| clap_mangen::generate_to(program.disable_help_subcommand(true), folder))
+    let Some(folder) = options.manual else { return Ok(()) };
+    std::fs::create_dir_all(&folder)
+        .and_then(|()| clap_mangen::generate_to(program.disable_help_subcommand(true), &folder))
         .map_err(|source| DiskError::Io { path: folder.clone(), action: "write", source })?;
     output::result(json, &json!({ "manual": folder }), || format!("Wrote the manual pages to {}", folder.display()))
 }

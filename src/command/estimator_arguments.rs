@@ -17,36 +17,22 @@ use crate::{Failure, options};
 pub struct EstimatorArguments {
     /// Classifier to fit [default: hmm]
     #[arg(long, value_name = "NAME", value_parser = classifier())]
-    classifier: Option<Chosen>,
+    classifier: Option<String>,
     #[arg(long, value_name = "LIST", help = features_help())]
     pub features: Option<FeatureSet>,
     #[command(flatten, next_help_heading = "Hidden Markov models (--classifier hmm) only")]
     recipe: RecipeArguments,
 }
 
-/// What is fitted.
-#[derive(Clone, Copy, Debug)]
-enum Chosen {
-    /// A classifier of trials.
-    OfTrials(&'static ClassifierKind),
-    /// The classifier of frames.
-    Touch,
-}
-
 /// Name of the classifier of frames.
 const TOUCH: &str = "touch";
 
 /// The names in the list of classifiers, each with one line of help, and the name of the classifier of frames.
-fn classifier() -> impl TypedValueParser<Value = Chosen> {
+fn classifier() -> PossibleValuesParser {
     let touch = "Networks over the course of each contact region: nothing, a category, uncertain or unknown in every frame. \
                  It is fitted to whole frames of data sets and recordings";
     let values = CLASSIFIERS.iter().map(|kind| PossibleValue::new(kind.name).aliases(kind.aliases).help(kind.summary));
-    let values = PossibleValuesParser::new(values.chain([PossibleValue::new(TOUCH).help(touch)]));
-    values.try_map(|name| match registry::find(&name) {
-        _ if name == TOUCH => Ok(Chosen::Touch),
-        Some(kind) => Ok(Chosen::OfTrials(kind)),
-        None => Err("unknown classifier"),
-    })
+    PossibleValuesParser::new(values.chain([PossibleValue::new(TOUCH).help(touch)]))
 }
 
 fn features_help() -> String {
@@ -63,12 +49,12 @@ impl EstimatorArguments {
     /// # Errors
     /// If an option does not apply to the classifier.
     pub fn estimator(&self) -> Result<Box<dyn Estimator>, Failure> {
-        match self.chosen() {
-            Chosen::OfTrials(kind) => Ok(self.options()?.estimator(kind)?),
-            Chosen::Touch => Err(Failure::usage(
+        let kind = self.of_trials().ok_or_else(|| {
+            Failure::usage(
                 "--classifier touch is fitted to whole frames, not to trials; use train or evaluate with data sets or recordings",
-            )),
-        }
+            )
+        })?;
+        Ok(self.options()?.estimator(kind)?)
     }
 
     /// How it is fitted.
@@ -90,7 +76,9 @@ impl EstimatorArguments {
     /// # Errors
     /// If an option is given that does not apply to it.
     pub fn is_touch(&self) -> Result<bool, Failure> {
-        let Chosen::Touch = self.chosen() else { return Ok(false) };
+        if self.of_trials().is_some() {
+            return Ok(false);
+        }
         let reason = "does not apply to --classifier touch, whose features and networks are fixed";
         options::refuse(self.given(), reason).map(|()| true)
     }
@@ -100,15 +88,13 @@ impl EstimatorArguments {
     /// # Errors
     /// If an option of hidden Markov models is given for another classifier.
     pub fn hmm(&self) -> Result<Option<Recipe>, Failure> {
-        match self.chosen() {
-            Chosen::OfTrials(kind) => Ok(self.options()?.recipe_of(kind)?),
-            Chosen::Touch => Ok(None),
-        }
+        let Some(kind) = self.of_trials() else { return Ok(None) };
+        Ok(self.options()?.recipe_of(kind)?)
     }
 
-    /// The first of the list unless another is named.
-    fn chosen(&self) -> Chosen {
-        self.classifier.unwrap_or(Chosen::OfTrials(CLASSIFIERS[0]))
+    /// The classifier of trials, the first of the list unless another is named; `None` for the classifier of frames.
+    fn of_trials(&self) -> Option<&'static ClassifierKind> {
+        self.classifier.as_ref().map_or(Some(CLASSIFIERS[0]), |name| registry::find(name))
     }
 
     /// Whether neither a classifier is chosen nor how hidden Markov models are fitted.
@@ -118,16 +104,12 @@ impl EstimatorArguments {
 
     /// Name of the classifier.
     pub fn classifier_name(&self) -> &'static str {
-        match self.chosen() {
-            Chosen::OfTrials(kind) => kind.name,
-            Chosen::Touch => TOUCH,
-        }
+        self.of_trials().map_or(TOUCH, |kind| kind.name)
     }
 
     /// The given options about fitting.
     pub fn given(&self) -> Vec<String> {
-        let features = self.features.map(|_| "--features".to_owned());
-        options::given(&self.recipe).into_iter().chain(features).collect()
+        options::given(&self.recipe).into_iter().chain(self.features.map(|_| "--features".to_owned())).collect()
     }
 
     /// The options of Baum-Welch training.

@@ -98,8 +98,7 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     }
     let recipe = options.estimator.hmm()?;
     if let Some(roc) = &options.roc {
-        let inputs = options.trials.iter().chain(&options.train).chain(&options.model);
-        options.overwrite.file(roc, inputs)?;
+        options.overwrite.file(roc, options.trials.iter().chain(&options.train).chain(&options.model))?;
     }
     let model = options.model.as_deref().map(any_model::load).transpose()?;
     let mut model = match model {
@@ -258,8 +257,7 @@ impl EvaluateOptions {
         let reason = "does not apply to the classifier touch, which judges the frames of whole reaches";
         options::refuse(others.chain(options::given(&self.decision)), reason)?;
         if self.risk.limit_wrong.is_some() && self.touch.cost_of_uncertain.is_some() {
-            let text = "--limit-wrong chooses what --cost-of-uncertain gives; leave one of them out";
-            return Err(Failure::usage(text));
+            return Err(Failure::usage("--limit-wrong chooses what --cost-of-uncertain gives; leave one of them out"));
         }
         if self.train.is_none() {
             // What has no frames is refused before it is read.
@@ -291,8 +289,7 @@ fn roc_csv(evaluation: &Evaluation, decision: &Decision) -> Result<String, Failu
     let of_categories = categories.iter().filter_map(|own| Some((own.as_str(), category_roc(evaluation, own)?)));
     let mut curves: Vec<(&str, RocCurve)> = of_categories.collect();
     if let Rule::OutlierBand { uncertain_below, .. } = decision.rule {
-        let judge = decision.prepare(categories)?;
-        let curve = outlier_roc(evaluation, &judge, uncertain_below);
+        let curve = outlier_roc(evaluation, &decision.prepare(categories)?, uncertain_below);
         curves.extend(curve.map(|curve| (Category::OUTLIER.name(), curve)));
     }
     let points = curves.iter().flat_map(|(positives, curve)| curve.points.iter().map(move |point| (*positives, point)));

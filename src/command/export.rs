@@ -27,7 +27,7 @@ pub struct ExportOptions {
 }
 
 /// Says how the format is written.
-pub fn run(options: ExportOptions) -> Result<(), Failure> {
+pub fn run(options: ExportOptions, _json: bool) -> Result<(), Failure> {
     let module = options.to;
     let name = if module == "ros2" { "a bag of ROS 2".to_owned() } else { module.to_uppercase() };
     let remedy = format!("write it with `python -m underbrush.{module} export DATA --out PATH`");

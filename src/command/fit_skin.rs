@@ -55,8 +55,7 @@ pub fn run(options: FitSkinOptions, json: bool) -> Result<(), Failure> {
         (area_cm2, None) => Punch::Flat(area_cm2.unwrap_or_default() * 1e-4),
     };
     let samples = read_press(&options.press)?;
-    let fit =
-        fit_press(&samples, punch).map_err(|error| Failure::usage(format!("{}: {error}", options.press.display())))?;
+    let fit = fit_press(&samples, punch).map_err(|error| Failure::usage(error.to_string()).about(&options.press))?;
     if let Some(out) = &options.out {
         // Noise can make a small loss time negative, which no skin has.
         let constant = |name: &str, estimate: &Estimate, affects: &str| {

@@ -98,8 +98,7 @@ pub fn run(options: GenerateOptions, json: bool) -> Result<(), Failure> {
         None => described(&options)?,
     };
     let out = &options.out;
-    let model = options.verdicts.model();
-    check_not_input(out, options.scenes.iter().chain(&options.from).chain(&model))?;
+    check_not_input(out, options.scenes.iter().chain(&options.from).chain(&options.verdicts.model()))?;
     let again = if options.shared { "the same command again" } else { options.overwrite.again() };
     interrupt::kept("finished reaches are", out, again);
     let written = match options.shard.filter(|_| options.shared) {
@@ -125,8 +124,7 @@ pub fn run(options: GenerateOptions, json: bool) -> Result<(), Failure> {
     }
     audit::warnings(dataset.episodes(), &dataset.plan().layout).into_iter().for_each(output::remark);
     // Other runs may have simulated a part.
-    let alone_s = wall_s.filter(|_| !options.resume && !options.shared);
-    let mut summary = Summary::of(&dataset, alone_s);
+    let mut summary = Summary::of(&dataset, wall_s.filter(|_| !options.resume && !options.shared));
     if wall_s.is_some() {
         summary.goals_with_a_way = Some(campaign.goals_with_a_way()?);
     }

@@ -77,9 +77,8 @@ fn require_recordings(folder: &Path) -> Result<(), Failure> {
     let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
     let other = names.into_iter().find(|name| !(name.starts_with("reach-") && name.ends_with(".parquet")));
     other.map_or(Ok(()), |name| {
-        let text =
-            format!("{}: holds {name}, which is no recording of an import; choose another name", folder.display());
-        Err(Failure::usage(text))
+        let text = format!("holds {name}, which is no recording of an import; choose another name");
+        Err(Failure::usage(text).about(folder))
     })
 }
 

@@ -27,9 +27,8 @@ impl Overwrite {
     pub fn file<'a>(self, path: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Failure> {
         check_not_input(path, inputs)?;
         if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
-            let path = path.display();
-            let text = format!("{path}: is a folder or not a regular file; give the name of a file to write");
-            return Err(Failure::usage(text));
+            let text = "is a folder or not a regular file; give the name of a file to write";
+            return Err(Failure::usage(text).about(path));
         }
         check_free(path, self.force)?;
         Ok(output::create_parents(path)?)

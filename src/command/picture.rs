@@ -66,9 +66,7 @@ fn place(text: &str) -> Result<DVec3, String> {
 impl PictureArguments {
     /// Draws a picture or a film of one of the reaches, if one is asked for; false if not. Its file is checked before.
     pub fn run(&self, source: &Source, chosen: &[usize], json: bool) -> Result<bool, Failure> {
-        let Some(path) = self.still.as_ref().or(self.video.as_ref()) else {
-            return Ok(false);
-        };
+        let Some(path) = self.still.as_ref().or(self.video.as_ref()) else { return Ok(false) };
         let reaches = source.reaches.len();
         let number = match chosen {
             [] if reaches == 1 => 0,
@@ -89,8 +87,7 @@ impl PictureArguments {
             let scene = stage.moment(number as u32, &recording.frames[number]);
             (scene.png(&camera(number as u32)?, size)?, 1)
         } else {
-            let delay = (100.0 / f64::from(self.fps)).round() as u16;
-            let film = Film { size, delay, speed: self.speed };
+            let film = Film { size, delay: (100.0 / f64::from(self.fps)).round() as u16, speed: self.speed };
             let pictures = film.frames(&recording).len();
             let bar = progress::bar(pictures as u64, "pictures");
             (film.draw(&recording, &stage, camera, move |drawn| bar.inc(drawn as u64))?, pictures)

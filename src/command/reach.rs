@@ -142,21 +142,13 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
         picture::write_fullest(&recording, path)?;
     }
     audit::reach_warnings(&recording).into_iter().for_each(output::remark);
-    let f_max_n = plan.controller.preset().map(|preset| preset.force_limit_n);
-    let goals = plan.scene.file.goals.number();
-    let report = Report::of(&recording, goals, &options_of_trials, f_max_n, wall_s)?;
+    let report = Report::of(&recording, &plan, &options_of_trials, wall_s)?;
     output::result(json, &report, || report.text())?;
     watched.map_or(Ok(()), |watched| watched.end(recording))
 }
 
 impl Report {
-    fn of(
-        recording: &Recording,
-        all_goals: u32,
-        options: &TrialOptions,
-        f_max_n: Option<f64>,
-        wall_s: f64,
-    ) -> Result<Self, Failure> {
+    fn of(recording: &Recording, plan: &ReachPlan, options: &TrialOptions, wall_s: f64) -> Result<Self, Failure> {
         let layout = &recording.layout;
         let patch = layout.chosen_patch(options.patch.as_deref()).map(|index| &layout.patches[index]);
         let cut = |by| {
@@ -177,14 +169,14 @@ impl Report {
             seed: recording.seed,
             reach_index: recording.reach_index,
             goals_reached: recording.goal_outcomes().reached,
-            all_goals,
+            all_goals: plan.scene.file.goals.number(),
             goals: recording.goals.iter().map(goal).collect(),
             aborted_by: recording.safety_stop(),
             touched_frames: recording.touched_frames(),
             simulated_s,
             wall_s,
             simulated_over_wall: simulated_s / wall_s.max(1e-9),
-            f_max_n,
+            f_max_n: plan.controller.preset().map(|preset| preset.force_limit_n),
             contacts: forces.contacts,
             peak_contact_force_n: forces.peak_n,
             mean_contact_force_n: forces.mean_n,
@@ -207,10 +199,9 @@ impl Report {
         let aborted = self.aborted_by.as_ref().map_or(String::new(), |stop| format!(", then aborted: {stop}"));
         let limit =
             self.f_max_n.map_or(String::new(), |f_max_n| format!("; the controller's f_max is {f_max_n} N a taxel"));
-        let patches = self.touched_frames.iter();
-        let touched: Vec<String> = patches
-            .map(|(patch, frames)| format!("{patch} in {}", output::counted(*frames, "frame", "frames")))
-            .collect();
+        let of_patch =
+            |(patch, frames): (&String, &u32)| format!("{patch} in {}", output::counted(*frames, "frame", "frames"));
+        let touched: Vec<String> = self.touched_frames.iter().map(of_patch).collect();
         let touched = if touched.is_empty() { "no skin".into() } else { touched.join(", ") };
         let (all, trials) = (self.all_goals, self.trials());
         let contacts = output::counted(self.contacts, "contact", "contacts");

@@ -219,7 +219,6 @@ impl<'a> Watched<'a> {
             return Err(fault.into());
         }
         output::remark("the page can be used until Ctrl-C");
-        let ended = self.server.join();
-        ended.map_err(|_| Failure::run("the server of the page has failed; please report this"))
+        self.server.join().map_err(|_| Failure::run("the server of the page has failed; please report this"))
     }
 }

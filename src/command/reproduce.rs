@@ -65,7 +65,6 @@ pub fn run(options: ReproduceOptions, json: bool) -> Result<(), Failure> {
     interrupt::kept("finished stages are", out, command);
     let (results, report) = reproduction.run(out, &Shown)?;
     output::result(json, &results, || {
-        let page = out.join("report/index.html");
-        format!("{}; report in {}", report.terminal, page.display())
+        format!("{}; report in {}", report.terminal, out.join("report/index.html").display())
     })
 }

@@ -34,7 +34,7 @@ enum Kind {
 }
 
 /// Prints the schema.
-pub fn run(options: &SchemaOptions) -> Result<(), Failure> {
+pub fn run(options: SchemaOptions, _json: bool) -> Result<(), Failure> {
     let schema = match options.file {
         Kind::Scene => underbrush_sim::scene::schema(),
         Kind::Arm => underbrush_sim::arm::schema(),
@@ -45,6 +45,5 @@ pub fn run(options: &SchemaOptions) -> Result<(), Failure> {
         Kind::Model => underbrush_classifier::model_schema(),
         Kind::Touch => underbrush_classifier::touch::TouchModel::schema(),
     };
-    let text = serde_json::to_string_pretty(&schema);
-    output::line(&text.map_err(|error| Failure::run(error.to_string()))?)
+    output::line(&serde_json::to_string_pretty(&schema).map_err(|error| Failure::run(error.to_string()))?)
 }

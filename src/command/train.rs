@@ -181,10 +181,9 @@ fn continued(options: &TrainOptions, start: &Path, path: &Path, read: &TrialInpu
 fn report(classifier: &dyn Classifier, trials: &[Trial]) -> Report {
     let own = classifier.categories();
     let mut counts: BTreeMap<String, Count> = BTreeMap::new();
+    let is_fitted = |name: &&String| is_trained(name) && own.contains(name);
     for trial in trials {
-        let Some(category) = trial.category.as_ref().filter(|name| is_trained(name) && own.contains(name)) else {
-            continue;
-        };
+        let Some(category) = trial.category.as_ref().filter(is_fitted) else { continue };
         let count = counts.entry(category.clone()).or_default();
         count.trials += 1;
         count.samples += trial.samples.len();
@@ -201,17 +200,14 @@ fn thresholds(
     estimator: &dyn Estimator,
     trials: &[Trial],
 ) -> Result<Option<ChosenThresholds>, Failure> {
-    let Some(false_positive_rate) = options.false_positive_rate else {
-        return Ok(None);
-    };
+    let Some(false_positive_rate) = options.false_positive_rate else { return Ok(None) };
     let targets = ThresholdTargets { false_positive_rate, outlier_prior: options.outlier_prior };
-    let about = |failure: Failure| failure.about(path);
-    let held_out =
-        HeldOut::of(trials, estimator, Folds::for_thresholds(trials)).map_err(|error| about(error.into()))?;
+    let held_out = HeldOut::of(trials, estimator, Folds::for_thresholds(trials));
+    let held_out = held_out.map_err(|error| Failure::from(error).about(path))?;
     let chosen = held_out.choose_thresholds(targets).map_err(|error| match error {
         // In this case the option is at fault, not the trials.
         ThresholdError::BadTarget { .. } => error.into(),
-        _ => about(error.into()),
+        _ => Failure::from(error).about(path),
     })?;
     warn(chosen.uncertain, "the held-out trials");
     for (category, _) in chosen.true_positive_rate.iter().filter(|(_, rate)| **rate == 0.0) {

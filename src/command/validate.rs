@@ -168,19 +168,16 @@ fn comparisons(outcome: &Outcome, tolerance_scale: f64) -> String {
         return String::new();
     }
     let mut reasons: Vec<&str> = Vec::new();
-    let mut rows = Vec::new();
     for judged in &outcome.comparisons {
-        let known = reasons.iter().position(|reason| *reason == judged.comparison.reason);
-        let reason = known.unwrap_or_else(|| {
+        if !reasons.contains(&judged.comparison.reason) {
             reasons.push(judged.comparison.reason);
-            reasons.len() - 1
-        });
-        rows.push((judged, reason + 1));
+        }
     }
-    let mut text = Rows::of(rows)
-        .columns(VALUES, |(judged, _)| values(judged, tolerance_scale))
-        .column("", |(judged, _)| word(judged.verdict))
-        .column("because", |(_, reason)| format!("[{reason}]"))
+    let before = |judged: &Judged| reasons.iter().take_while(|reason| **reason != judged.comparison.reason).count();
+    let mut text = Rows::of(&outcome.comparisons)
+        .columns(VALUES, |judged| values(judged, tolerance_scale))
+        .column("", |judged| word(judged.verdict))
+        .column("because", |judged| format!("[{}]", before(judged) + 1))
         .text();
     for (index, reason) in reasons.iter().enumerate() {
         let _ = writeln!(text, "[{}] {reason}", index + 1);

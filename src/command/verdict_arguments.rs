@@ -82,12 +82,9 @@ impl DecisionArguments {
                 Some(scores.paper().map_err(refused)?)
             }
         };
-        let mut decision = scores.decision(rule)?;
+        let decision = scores.decision(rule)?;
         let prior = by_category("--prior", &self.prior)?;
-        if !prior.is_empty() {
-            decision.prior = prior;
-        }
-        Ok(decision)
+        Ok(if prior.is_empty() { decision } else { Decision { prior, ..decision } })
     }
 }
 

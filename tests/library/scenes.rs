@@ -81,7 +81,7 @@ fn apart(a: &PlacedObject, b: &PlacedObject) -> bool {
 fn edge(placed: &PlacedObject) -> Vec<[f64; 2]> {
     let inset_m = 0.001;
     let round = |index: usize| std::f64::consts::TAU * index as f64 / 400.0;
-    let local = (0..400).map(round).map(|angle| match placed.object.footprint() {
+    let local = (0..400).map(round).map(|angle| match placed.object.size().0 {
         Footprint::Disc(radius) => [(radius - inset_m) * angle.cos(), (radius - inset_m) * angle.sin()],
         Footprint::Rectangle(x, y) => {
             let (x, y) = (x - inset_m, y - inset_m);
@@ -99,7 +99,7 @@ fn holds(placed: &PlacedObject, [x, y]: [f64; 2]) -> bool {
     let (x, y) = (x - placed.foot_world.x, y - placed.foot_world.y);
     let (sine, cosine) = placed.yaw_rad.sin_cos();
     let (along, across) = (cosine * x + sine * y, cosine * y - sine * x);
-    match placed.object.footprint() {
+    match placed.object.size().0 {
         Footprint::Disc(radius) => along.hypot(across) < radius,
         Footprint::Rectangle(half_x, half_y) => along.abs() < half_x && across.abs() < half_y,
     }
@@ -141,9 +141,9 @@ fn goals_are_clear_of_trunks_and_rolls() {
 
 /// The foot of a trunk, roll or bottle, m, with its radius and height, m.
 fn cylinder(placed: &PlacedObject) -> Option<[[f64; 3]; 2]> {
-    match (placed.object.kind(), placed.object.footprint()) {
-        ("trunk" | "foam_roll" | "water_bottle", Footprint::Disc(radius)) => {
-            Some([placed.foot_world.to_array(), [radius, placed.object.height_m(), 0.0]])
+    match (placed.object.kind(), placed.object.size()) {
+        ("trunk" | "foam_roll" | "water_bottle", (Footprint::Disc(radius), height_m)) => {
+            Some([placed.foot_world.to_array(), [radius, height_m, 0.0]])
         }
         _ => None,
     }

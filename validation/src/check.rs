@@ -27,14 +27,9 @@ pub struct Case {
     pub falsifications: &'static [Falsification],
 }
 
-/// Whether a case simulates what its closed form describes, or has one parameter wrong on purpose.
+/// What a case simulates: what its closed form describes, or the same with this parameter wrong on purpose.
 #[derive(Clone, Copy, Debug)]
-pub enum Simulated {
-    /// As the closed form describes it.
-    AsDescribed,
-    /// With this parameter wrong.
-    Falsified(Falsification),
-}
+pub struct Simulated(pub(crate) Option<Falsification>);
 
 impl Simulated {
     /// The value to simulate with: `wrong` when falsified by `falsification`, otherwise `described`.
@@ -44,7 +39,7 @@ impl Simulated {
 
     /// Whether it is falsified by `falsification`.
     pub fn is(self, falsification: Falsification) -> bool {
-        matches!(self, Simulated::Falsified(active) if active.wrong == falsification.wrong)
+        self.0.is_some_and(|active| active.wrong == falsification.wrong)
     }
 }
 
@@ -111,7 +106,7 @@ pub(crate) fn run_all(jobs: &[(&Case, Simulated)], done: impl Fn() + Sync) -> Ve
 /// `done` is called after each case.
 pub fn run(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> Vec<Outcome> {
     let cases = checks.iter().flat_map(|check| check.cases);
-    let jobs: Vec<(&Case, Simulated)> = cases.map(|case| (case, Simulated::AsDescribed)).collect();
+    let jobs: Vec<(&Case, Simulated)> = cases.map(|case| (case, Simulated(None))).collect();
     let mut found = run_all(&jobs, done).into_iter();
     let judged = |check: &&Check| judge(check, found.by_ref().take(check.cases.len()).collect(), tolerance_scale);
     checks.iter().map(judged).collect()
@@ -120,8 +115,7 @@ pub fn run(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> V
 /// Judges what the cases of a check found. A check without any comparison fails, and so does one with a case that ended
 /// with an error.
 fn judge(check: &Check, found: Vec<Found>, tolerance_scale: f64) -> Outcome {
-    let mut errors = Vec::new();
-    let mut comparisons = Vec::new();
+    let (mut comparisons, mut errors) = (Vec::new(), Vec::new());
     let judged = |comparison: Comparison| Judged::new(comparison, tolerance_scale);
     for case in found {
         match case {

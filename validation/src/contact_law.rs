@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use glam::{DQuat, DVec3};
-use underbrush_oracles::foundation;
+use underbrush_oracles::foundation::{self, Layer};
 use underbrush_recording::{BodyPart, BodyShape, Pose};
 use underbrush_sim::object::structure::part;
 use underbrush_sim::simulation::test_rig::{BodyId, FreeBody, Rig};
@@ -52,10 +52,9 @@ fn cuboid(size_m: DVec3) -> BodyPart {
 /// A rig with a free body over one that is fixed and hard.
 fn on(options: PhysicsOptions, lower: &BodyPart, upper: &FreeBody) -> Result<(Rig, BodyId), Fault> {
     let mut rig = Rig::new(options);
-    match (rig.add_fixed(lower, Surface::hard(0.4), &Pose::IDENTITY), rig.add_free(upper)) {
-        (Some(_), Some(upper)) => Ok((rig, upper)),
-        _ => Err(Fault::Run("a body without volume".into())),
-    }
+    let both = rig.add_fixed(lower, Surface::hard(0.4), &Pose::IDENTITY).zip(rig.add_free(upper));
+    let (_, upper) = both.ok_or_else(|| Fault::Run("a body without volume".into()))?;
+    Ok((rig, upper))
 }
 
 /// A body at rest at this height that does not turn.
@@ -145,17 +144,15 @@ fn resting(simulated: Simulated) -> Found {
     Ok(comparisons)
 }
 
-/// Pressure over depth of the hard shell under a layer, N/m³: that of two hard surfaces.
-const GROUND_N_PER_M3: f64 = 3e8;
+/// The closed form of a layer on a hard shell, whose pressure over depth is that of two hard surfaces.
+pub fn layer(stiffness_n_per_m3: f64, thickness_m: f64) -> Layer {
+    Layer { stiffness_n_per_m3, ground_n_per_m3: 3e8, thickness_m }
+}
 
 /// The depth at which a flat punch rests on a layer of finite thickness, from light to nearly pressed flat.
 fn pressed_flat(simulated: Simulated) -> Found {
     const THICKNESS_M: f64 = 3e-3;
-    let layer = foundation::Layer {
-        stiffness_n_per_m3: STIFFNESS_N_PER_M3,
-        ground_n_per_m3: GROUND_N_PER_M3,
-        thickness_m: THICKNESS_M,
-    };
+    let layer = layer(STIFFNESS_N_PER_M3, THICKNESS_M);
     let [punch, table] = [PUNCH_M, 1.0].map(|side| cuboid(DVec3::new(side, side, 0.04)));
     let compare = |mass_kg: f64| -> Result<Comparison, Fault> {
         let thickness_m = Some(THICKNESS_M * simulated.with(THICK_LAYER, 1.0, 1.2));
@@ -186,11 +183,8 @@ fn along_the_forearm(simulated: Simulated) -> Found {
         let normal = axis.cross(DVec3::Z);
         let distance_m = (foot - forearm.position).dot(normal.normalize()).abs();
         let depth_m = FOREARM_RADIUS_M + RADIUS_M - distance_m;
-        let layer = foundation::Layer {
-            stiffness_n_per_m3: pressed.arm.skin.stiffness_n_per_m3,
-            ground_n_per_m3: GROUND_N_PER_M3,
-            thickness_m: pressed.arm.skin.thickness_m.unwrap_or(f64::INFINITY),
-        };
+        let skin = &pressed.arm.skin;
+        let layer = layer(skin.stiffness_n_per_m3, skin.thickness_m.unwrap_or(f64::INFINITY));
         let law = layer.force_n([FOREARM_RADIUS_M, RADIUS_M], depth_m);
         let contacts = pressed.report().contacts.iter().filter(|contact| contact.link == pressed.forearm);
         let force_n: f64 = contacts.map(|contact| contact.force_world.dot(contact.inward_world)).sum();

@@ -50,9 +50,7 @@ fn same(quantity: &str, one: &[u8], other: &[u8]) -> Comparison {
 
 fn repeated(simulated: Simulated) -> Found {
     let seed = simulated.with(OTHER_SEED, 0, 1);
-    let first = reaches(0, 1)?;
-    let again = reaches(seed, 1)?;
-    let threads = reaches(seed, 3)?;
+    let (first, again, threads) = (reaches(0, 1)?, reaches(seed, 1)?, reaches(seed, 3)?);
     Ok(vec![
         same("bytes that differ between two runs of three reaches", &first, &again),
         same("bytes that differ between three reaches on one thread and on three", &first, &threads),

@@ -51,8 +51,7 @@ pub struct FalsifiedRun {
 /// Runs every case of the checks under each of its falsifications on the threads of the current rayon pool. The
 /// outcomes are in the order of `checks`. `done` is called after each case and falsification.
 pub fn falsify(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> Vec<FalsifiedOutcome> {
-    let falsified =
-        |case: &'static Case| case.falsifications.iter().map(move |wrong| (case, Simulated::Falsified(*wrong)));
+    let falsified = |case: &'static Case| case.falsifications.iter().map(move |wrong| (case, Simulated(Some(*wrong))));
     let jobs: Vec<(&Case, Simulated)> = checks.iter().flat_map(|check| check.cases).flat_map(falsified).collect();
     let mut found = run_all(&jobs, done).into_iter();
     let judged = |check: &&Check| {

@@ -47,10 +47,9 @@ fn boxes(simulated: Simulated) -> Found {
         // steep.
         let slides = |slope| sliding_speeds(slope, friction, may_rotate).last().is_some_and(|speed| *speed > 5e-3);
         let found = bisected([0.1, 0.8], 12, |slope| !slides(slope)).to_degrees();
-        comparisons.push(
-            Comparison::of(format!("slope at which a {name} slips"), "deg", expected, found)
-                .absolute(0.5, "0.5°: the bisection ends at 0.01°; slip and creep are told apart within one second"),
-        );
+        let slope = Comparison::of(format!("slope at which a {name} slips"), "deg", expected, found);
+        let reason = "0.5°: the bisection ends at 0.01°; slip and creep are told apart within one second";
+        comparisons.push(slope.absolute(0.5, reason));
         for slope_deg in [30.0_f64, 45.0] {
             let slope = slope_deg.to_radians();
             let speeds = sliding_speeds(slope, friction, may_rotate);

@@ -53,16 +53,11 @@ fn forward(simulated: Simulated) -> Found {
         [(0.5, [0.8, 0.1, 0.1], -0.5, 0.4), (0.3, [0.2, 0.5, 0.3], 0.7, 0.2), (0.2, [0.3, 0.3, 0.4], 3.0, 1.5)];
     let samples = [0.2, 0.0, 0.7, 1.4, 2.2, 2.0, 2.9];
     let observations = Observations::new(1, samples.to_vec())?;
-    let compare = |(name, states): (&str, _)| -> Result<Comparison, Fault> {
-        let parameters = univariate(states);
-        let density = |sample: &f64| -> Vec<f64> {
-            (0..3)
-                .map(|state| log_normal_density(*sample, parameters.mean[state][0], parameters.covariance[state][0][0]))
-                .collect()
-        };
-        let densities: Vec<Vec<f64>> = samples.iter().map(density).collect();
-        let expected = log_sum_over_paths(&parameters.initial, &parameters.transition, &densities);
-        let mut scored = parameters;
+    let compare = |(name, states): (&str, [_; 3])| -> Result<Comparison, Fault> {
+        let mut scored = univariate(states);
+        let densities = samples
+            .map(|sample| states.map(|(.., mean, variance)| log_normal_density(sample, mean, variance)).to_vec());
+        let expected = log_sum_over_paths(&scored.initial, &scored.transition, &densities);
         scored.transition[0][0] += off;
         scored.transition[0][1] -= off;
         let model = GaussianHmm::new(scored).map_err(|error| Fault::Run(format!("{error:?}")))?;
@@ -130,10 +125,9 @@ fn likelihood(simulated: Simulated) -> Found {
         fall = fall.max((before - after) / before.abs());
         before = after;
     }
-    Ok(vec![
-        Comparison::of("largest decrease of the log-likelihood in one iteration", "", 0.0, fall)
-            .at_most(1e-9, "1e-9, relative: rounding; a Baum-Welch iteration never decreases the likelihood"),
-    ])
+    let fall = Comparison::of("largest decrease of the log-likelihood in one iteration", "", 0.0, fall);
+    let reason = "1e-9, relative: rounding; a Baum-Welch iteration never decreases the likelihood";
+    Ok(vec![fall.at_most(1e-9, reason)])
 }
 
 /// Number of iterations: enough for the likelihood to converge to rounding error.
@@ -162,18 +156,16 @@ fn recovered(simulated: Simulated) -> Found {
     let mut comparisons = Vec::new();
     for state in 0..2 {
         let count = samples * leaving[1 - state] / (leaving[0] + leaving[1]);
-        let variance = truth.covariance[state][0][0];
-        let stays = truth.transition[state][state];
+        let of_state =
+            |of: &HmmParameters| [of.mean[state][0], of.covariance[state][0][0], of.transition[state][state]];
+        let ([mean, variance, stays], found) = (of_state(&truth), of_state(found));
         let mut compare = |quantity: String, expected: f64, found: f64, standard_error: f64| {
-            let tolerance = 4.0 * standard_error;
-            comparisons.push(Comparison::of(quantity, "", expected, found).absolute(tolerance, reason));
+            comparisons.push(Comparison::of(quantity, "", expected, found).absolute(4.0 * standard_error, reason));
         };
-        let (mean, spread, stay) =
-            (found.mean[state][0], found.covariance[state][0][0], found.transition[state][state]);
-        compare(format!("mean of state {state}"), truth.mean[state][0], mean, (variance / count).sqrt());
-        compare(format!("variance of state {state}"), variance, spread, variance * (2.0 / count).sqrt());
+        compare(format!("mean of state {state}"), mean, found[0], (variance / count).sqrt());
+        compare(format!("variance of state {state}"), variance, found[1], variance * (2.0 / count).sqrt());
         let stays_error = (stays * (1.0 - stays) / count).sqrt();
-        compare(format!("probability that state {state} stays"), stays, stay, stays_error);
+        compare(format!("probability that state {state} stays"), stays, found[2], stays_error);
     }
     Ok(comparisons)
 }

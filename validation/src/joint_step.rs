@@ -74,14 +74,9 @@ pub fn respond(simulated: Simulated, step_s: f64) -> Result<Response, Fault> {
     let mut simulation = pressed_arm::simulation(arm, Clutter::default(), physics);
     let mut angles = Vec::new();
     for _ in 0..(SECONDS / FRAME_PERIOD_S).round() as usize {
-        simulation.step_observed(&[TARGET_RAD], &mut |step| {
-            angles.push(step.joints[0].angle_rad / TARGET_RAD);
-        });
+        simulation.step_observed(&[TARGET_RAD], &mut |step| angles.push(step.joints[0].angle_rad / TARGET_RAD));
     }
-    let misses = angles.iter().enumerate().map(|(index, found)| {
-        let time_s = (index + 1) as f64 * step_s;
-        (found - exact.step_response(time_s)).abs()
-    });
-    let largest_miss = misses.fold(0.0, f64::max);
+    let miss = |(index, found): (usize, &f64)| (found - exact.step_response((index + 1) as f64 * step_s)).abs();
+    let largest_miss = angles.iter().enumerate().map(miss).fold(0.0, f64::max);
     Ok(Response { exact, angles, largest_miss })
 }

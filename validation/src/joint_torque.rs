@@ -36,19 +36,14 @@ fn compare(simulated: Simulated) -> Found {
         }
         let reason =
             "0.1 %: a state of rest has no discretization error; what remains is creep of the contact under friction";
-        Ok(Comparison {
-            residual: (&springs + &contacts).norm() / contacts.norm(),
-            ..Comparison::of(format!("joint torques, {name} (norm)"), "Nm", contacts.norm(), springs.norm())
-                .relative(1e-3, reason)
-        })
+        let torques = Comparison::of(format!("joint torques, {name} (norm)"), "Nm", contacts.norm(), springs.norm());
+        Ok(Comparison { residual: (&springs + &contacts).norm() / contacts.norm(), ..torques.relative(1e-3, reason) })
     };
-    [
+    let pushes = [
         ("trunk, 2 N", Beside::trunk(), 2.0),
         ("trunk, 9 N", Beside::trunk(), 9.0),
         ("leaf, lightly touched", leaf(), 9.0),
         ("leaf, bent far", leaf(), 30.0),
-    ]
-    .into_iter()
-    .map(compare)
-    .collect()
+    ];
+    pushes.into_iter().map(compare).collect()
 }

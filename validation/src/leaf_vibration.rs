@@ -79,10 +79,8 @@ fn damped(simulated: Simulated) -> Found {
     let exact = oscillator(LOSS_FACTOR / 2.0);
     let (_, decrement) = pluck(loss_factor, STEP_S)?;
     let expected = exact.under_theta_method(Theta::DAMPED.value(), STEP_S).log_decrement();
-    Ok(vec![
-        Comparison::of("log decrement of a leaf with a loss factor of 0.1", "", expected, decrement)
-            .relative(0.02, "2 %: peaks are sampled at steps, and higher modes add to the first"),
-    ])
+    let decrement = Comparison::of("log decrement of a leaf with a loss factor of 0.1", "", expected, decrement);
+    Ok(vec![decrement.relative(0.02, "2 %: peaks are sampled at steps, and higher modes add to the first")])
 }
 
 /// Half the density of air times the coefficient of drag of a flat plate, kg/m³.

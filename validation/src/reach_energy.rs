@@ -46,9 +46,7 @@ fn compare(name: &str, scene: &str, simulated: Simulated) -> Found {
         return Err(Fault::Run(format!("the reach among {name} touched nothing")));
     }
     let reason = "1 % of the work exchanged: impacts and dampers are resolved to first order in the step of 1 ms";
-    Ok(vec![Comparison {
-        residual: (found - sums.actuators_j).abs() / sums.exchanged_j,
-        ..Comparison::of(format!("work of the actuators in a reach among {name}"), "J", sums.actuators_j, found)
-            .relative(0.01, reason)
-    }])
+    let quantity = format!("work of the actuators in a reach among {name}");
+    let work = Comparison::of(quantity, "J", sums.actuators_j, found).relative(0.01, reason);
+    Ok(vec![Comparison { residual: (found - sums.actuators_j).abs() / sums.exchanged_j, ..work }])
 }

@@ -102,10 +102,8 @@ fn quantum(simulated: Simulated) -> Found {
         let nearest = (force * 1000.0).round() / 1000.0;
         wrong += f64::from(reading != f64::from(nearest as f32));
     }
-    Ok(vec![
-        Comparison::of("readings (of 5000) that are not the number nearest to count / 1000", "", 0.0, wrong)
-            .absolute(1.0, "below 1: none is allowed"),
-    ])
+    let wrong = Comparison::of("readings (of 5000) that are not the number nearest to count / 1000", "", 0.0, wrong);
+    Ok(vec![wrong.absolute(1.0, "below 1: none is allowed")])
 }
 
 /// The number of frames after which a tap arrives.
@@ -114,10 +112,9 @@ fn delay(simulated: Simulated) -> Found {
     let mut bench = Bench::new("forearm", &options)?;
     let mut forces = (0..20).map(|frame| if frame == 5 { 1.0 } else { 0.0 });
     let arrived = forces.position(|force| bench.press(7, force) > 0.0);
-    Ok(vec![
-        Comparison::of("delay of a tap", "frames", 3.0, arrived.map_or(f64::NAN, |frame| frame as f64 - 5.0))
-            .absolute(0.5, "half a frame: a delay is a whole number of frames"),
-    ])
+    let found = arrived.map_or(f64::NAN, |frame| frame as f64 - 5.0);
+    let reason = "half a frame: a delay is a whole number of frames";
+    Ok(vec![Comparison::of("delay of a tap", "frames", 3.0, found).absolute(0.5, reason)])
 }
 
 /// A taxel of the forearm with four neighbours, in the middle of the 384 taxels.
@@ -135,8 +132,7 @@ fn crosstalk(simulated: Simulated) -> Found {
     let mut bench = Bench::new("forearm", &options)?;
     let mut kernel = |taxel: usize| -> Vec<f64> {
         bench.press(taxel, 1.0);
-        let reading = |other| bench.sensor.reading_n(bench.patch, other);
-        (0..TAXELS).map(reading).collect()
+        (0..TAXELS).map(|other| bench.sensor.reading_n(bench.patch, other)).collect()
     };
     let sums = (0..TAXELS).map(|taxel| kernel(taxel).iter().sum::<f64>());
     let worst = sums.max_by(|a, b| (a - 1.0).abs().total_cmp(&(b - 1.0).abs()));
@@ -183,8 +179,6 @@ fn hysteresis(simulated: Simulated) -> Found {
     };
     let up = way(&mut (0..=steps));
     let down = way(&mut (0..=steps).rev());
-    Ok(vec![
-        Comparison::of("area of the fabric's loop to 8 N, h F²/2", "N²", share * peak * peak / 2.0, down - up)
-            .relative(1e-6, "1e-6: the trapezoidal rule's error at a corner, the square of one of 4000 steps"),
-    ])
+    let area = Comparison::of("area of the fabric's loop to 8 N, h F²/2", "N²", share * peak * peak / 2.0, down - up);
+    Ok(vec![area.relative(1e-6, "1e-6: the trapezoidal rule's error at a corner, the square of one of 4000 steps")])
 }

@@ -133,12 +133,11 @@ fn pushed(pressed: &mut PressedArm, move_m: f64) -> Result<Pushed, Fault> {
     let normals_n = contacts.iter().map(|contact| contact.force_world.dot(contact.inward_world));
     let overlaps = normals_n.clone().zip(contacts).map(|(normal_n, contact)| contact.penetration_m * normal_n);
     let weights = contacts.iter().map(|contact| contact.force_world.length());
-    let places = contacts.iter().map(|contact| contact.position_link);
-    let place = weights.clone().zip(places).map(|(weight, place)| place * weight).sum::<DVec3>();
+    let places = contacts.iter().map(|contact| contact.position_link * contact.force_world.length());
     Ok(Pushed {
         force_n: force.length(),
         outward_world: -force.normalize(),
-        place_link: place / weights.sum::<f64>(),
+        place_link: places.sum::<DVec3>() / weights.sum::<f64>(),
         angle_rad: pressed.report().joint_angle_rad(),
         equilibrium_rad,
         overlap_m: overlaps.sum::<f64>() / normals_n.sum::<f64>(),

@@ -135,8 +135,7 @@ fn collision(simulated: Simulated) -> Found {
     let after = bodies.map(|body| momentum(&rig, body));
     // What ball and box lose together, relative to what the ball gave away.
     let lost = (after[0] + after[1] - before[0] - before[1]).length() / before[0].distance(after[0]);
-    Ok(vec![
-        Comparison::of("total momentum lost in a glancing collision, over the momentum exchanged", "", 0.0, lost)
-            .absolute(1e-12, "1e-12: the same impulse acts on both bodies, up to rounding"),
-    ])
+    let lost =
+        Comparison::of("total momentum lost in a glancing collision, over the momentum exchanged", "", 0.0, lost);
+    Ok(vec![lost.absolute(1e-12, "1e-12: the same impulse acts on both bodies, up to rounding")])
 }

@@ -11,6 +11,7 @@ use underbrush_sim::object::FRICTION;
 use underbrush_sim::skin::{ContactPoint, SkinPatch, SpreadBuffers};
 use underbrush_sim::{Arm, Surface};
 
+use crate::contact_law::layer;
 use crate::pressed_arm::FOREARM_RADIUS_M;
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
@@ -75,8 +76,7 @@ fn trunk_on_round(simulated: Simulated) -> Found {
 
 /// A ball on flat skin that hardens, so hard that the skin under it is pressed by two thirds of its thickness.
 fn hardened(simulated: Simulated) -> Found {
-    let layer =
-        foundation::Layer { stiffness_n_per_m3: STIFFNESS_N_PER_M3, ground_n_per_m3: 3e8, thickness_m: THICKNESS_M };
+    let layer = layer(STIFFNESS_N_PER_M3, THICKNESS_M);
     let shape = SharedShape::ball(BALL_RADIUS_M);
     let thickness_m = Some(THICKNESS_M * simulated.with(THICK_LAYER, 1.0, 2.0));
     let pressed = Pressed { shape, height_m: BALL_RADIUS_M, skin_radius_m: 1e9, thickness_m, simulated };

@@ -106,9 +106,8 @@ impl Baseline for MiniRocket {
             stop::check();
             let push = |contact: &mut Outputs, sample: &Sample| convolutions.push(self.features, contact, sample);
             let ages = ages_of(trial, &SAMPLE_COUNTS);
-            let mut rows = after(trial, &ages, push, |contact| convolutions.values(contact))?;
-            rows.iter_mut().for_each(|row| row.push(1.0));
-            Ok(rows)
+            let values = |contact: &mut Outputs| Ok([convolutions.values(contact), vec![1.0]].concat());
+            after(trial, &ages, Outputs::default(), push, values)
         })?;
         Ok(Parameters { convolutions, weights: fitted::columns(&weights) })
     }

@@ -176,9 +176,8 @@ impl Baseline for NearestNeighbours {
     fn scores(&self, parameters: &Parameters, contact: &Vec<f64>, scores: &mut [f64]) {
         let Parameters { mean, scale, components, category, trials } = parameters;
         let mut channels = self.channels(contact);
-        for (d, value) in channels.iter_mut().enumerate() {
-            *value = (*value - mean[d]) * scale[d / self.window];
-        }
+        let values = channels.iter_mut().enumerate();
+        values.for_each(|(d, value)| *value = (*value - mean[d]) * scale[d / self.window]);
         let query = components.0.tr_mul(&DVector::from_vec(channels));
         let distances = trials.0.column_iter().map(|known| (known - &query).norm_squared());
         let mut nearest: Vec<(f64, usize)> = distances.zip(category.iter().copied()).collect();

@@ -79,9 +79,7 @@ impl Standardization {
         };
         let standard_deviation = mean.iter().enumerate().map(deviation).collect();
         let standardization = Standardization { mean, standard_deviation };
-        for row in &mut table.rows {
-            standardization.apply(&mut row.features);
-        }
+        table.rows.iter_mut().for_each(|row| standardization.apply(&mut row.features));
         standardization
     }
 

@@ -6,6 +6,7 @@
 //! the one that gains most of (Σ g)² / (Σ h + λ). Cuts are sought between quantiles of each feature. Nothing is drawn, so the same
 //! rows give the same trees.
 
+use glam::DVec3;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -51,13 +52,13 @@ pub(crate) enum Loss {
 }
 
 impl Loss {
-    fn slopes(self, target: f64, weight: f64, score: f64) -> [f64; 2] {
+    fn slopes(self, target: f64, weight: f64, score: f64) -> Slopes {
         match self {
             Loss::Logistic => {
                 let probability = 1.0 / (1.0 + math::exp(-score));
-                [weight * (target - probability), weight * probability * (1.0 - probability)]
+                Slopes::new(weight * (target - probability), weight * probability * (1.0 - probability), 1.0)
             }
-            Loss::Squared => [weight * (target - score), weight],
+            Loss::Squared => Slopes::new(weight * (target - score), weight, 1.0),
         }
     }
 }
@@ -82,7 +83,7 @@ impl Boosted {
             columns: &columns,
             targets: rows.iter().map(|row| (row.target, row.weight / mean)).collect(),
             scores: vec![0.0; rows.len()],
-            slopes: vec![[0.0; 2]; rows.len()],
+            slopes: vec![Slopes::ZERO; rows.len()],
             leaf_rows: LEAF_ROWS.min(rows.len() / 10).max(1),
         };
         let tree = |_| {
@@ -151,8 +152,8 @@ struct Boosting<'a> {
     /// The target and the weight of each row.
     targets: Vec<(f64, f64)>,
     scores: Vec<f64>,
-    /// The gradient and the curvature of each row.
-    slopes: Vec<[f64; 2]>,
+    /// Those of each row.
+    slopes: Vec<Slopes>,
     leaf_rows: usize,
 }
 
@@ -167,7 +168,7 @@ impl Boosting<'_> {
     }
 
     fn grow(&mut self, tree: &mut Vec<Node>, rows: &mut [u32], depth: usize) {
-        let all = rows.iter().fold(Slopes::default(), |sum, row| sum.with(self.slopes[*row as usize]));
+        let all: Slopes = rows.iter().map(|row| self.slopes[*row as usize]).sum();
         let node = tree.len();
         match (depth > 0).then(|| self.cut(rows, all)).flatten() {
             Some((feature, cut)) => {
@@ -181,7 +182,7 @@ impl Boosting<'_> {
                 self.grow(tree, high, depth - 1);
             }
             None => {
-                let step = (RATE * all.slope / (all.curvature + RIDGE) / UNIT).round() as i16;
+                let step = (RATE * all.x / (all.y + RIDGE) / UNIT).round() as i16;
                 tree.push(Node::Leaf(step));
                 rows.iter().for_each(|row| self.scores[*row as usize] += UNIT * f64::from(step));
             }
@@ -194,18 +195,17 @@ impl Boosting<'_> {
             return None;
         }
         let best_of = |(feature, column): (usize, &Column)| {
-            let mut bins = [Slopes::default(); CUTS + 1];
+            let mut bins = [Slopes::ZERO; CUTS + 1];
             for row in rows {
-                let bin = &mut bins[usize::from(column.bins[*row as usize])];
-                *bin = bin.with(self.slopes[*row as usize]);
+                bins[usize::from(column.bins[*row as usize])] += self.slopes[*row as usize];
             }
-            let mut left = Slopes::default();
-            let mut best = (all.gain(), feature, None);
+            let mut left = Slopes::ZERO;
+            let mut best = (gain(all), feature, None);
             for (cut, bin) in bins.iter().take(column.cuts.len()).enumerate() {
-                left = left.and(bin, 1.0);
-                let right = all.and(&left, -1.0);
-                let gain = left.gain() + right.gain();
-                if left.rows.min(right.rows) >= self.leaf_rows as f64 && gain > best.0 {
+                left += *bin;
+                let right = all - left;
+                let gain = gain(left) + gain(right);
+                if left.z.min(right.z) >= self.leaf_rows as f64 && gain > best.0 {
                     best = (gain, feature, Some(cut));
                 }
             }
@@ -217,30 +217,12 @@ impl Boosting<'_> {
     }
 }
 
-/// Sums over rows.
-#[derive(Clone, Copy, Default)]
-struct Slopes {
-    slope: f64,
-    curvature: f64,
-    rows: f64,
-}
+/// Of a row, or sums over rows: the gradient, the curvature, and the number of rows.
+type Slopes = DVec3;
 
-impl Slopes {
-    fn with(self, [slope, curvature]: [f64; 2]) -> Self {
-        Slopes { slope: self.slope + slope, curvature: self.curvature + curvature, rows: self.rows + 1.0 }
-    }
-
-    fn and(self, other: &Slopes, sign: f64) -> Self {
-        Slopes {
-            slope: self.slope + sign * other.slope,
-            curvature: self.curvature + sign * other.curvature,
-            rows: self.rows + sign * other.rows,
-        }
-    }
-
-    fn gain(self) -> f64 {
-        self.slope * self.slope / (self.curvature + RIDGE)
-    }
+/// What a leaf with these sums gains.
+fn gain(sums: Slopes) -> f64 {
+    sums.x * sums.x / (sums.y + RIDGE)
 }
 
 /// Puts the rows that go to the left first, and returns how many there are.

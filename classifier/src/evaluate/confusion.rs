@@ -140,11 +140,8 @@ impl ConfusionMatrix {
             right.map(|own| own.trials).sum()
         };
         let known = self.known();
-        let recalls: Vec<f64> = figures
-            .iter()
-            .filter(|own| known.contains(&own.category) && own.trials > 0)
-            .map(|own| own.recall)
-            .collect();
+        let of_known = figures.iter().filter(|own| known.contains(&own.category) && own.trials > 0);
+        let recalls: Vec<f64> = of_known.map(|own| own.recall).collect();
         Some(Accuracy {
             trials,
             accuracy: fraction(figures.iter().map(|own| own.correct).sum()),

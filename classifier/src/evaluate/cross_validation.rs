@@ -146,37 +146,28 @@ pub(super) fn across_folds<T: Send>(
         let pairs = used.iter().zip(&assignment);
         pairs.filter(move |(_, own)| (**own == fold) == inside).map(|(trial, _)| *trial).collect::<Vec<_>>()
     };
-    let outcomes: Vec<Result<_, EvaluateError>> = (0..folds.count)
-        .into_par_iter()
-        .map(|fold| {
-            stop::check();
-            let long = |trial: &&Trial| trial.samples.len() >= min_training_samples;
-            let (long_enough, short): (Vec<&Trial>, Vec<&Trial>) = of(fold, false).into_iter().partition(long);
-            let categories: BTreeSet<&str> = long_enough.iter().filter_map(|trial| trial.category.as_deref()).collect();
-            let mut unfitted = short.iter().filter_map(|trial| trial.category.as_deref());
-            if let Some(category) = unfitted.find(|category| !categories.contains(category)) {
-                return Err(EvaluateError::TooShort {
-                    category: category.to_owned(),
-                    fold: fold + 1,
-                    samples: min_training_samples,
-                });
-            }
-            // A classifier without a category would call all trials of that category something else, and its scores
-            // would not be comparable with those of the other folds.
-            if categories != all {
-                return Err(EvaluateError::FewCategories {
-                    fold: fold + 1,
-                    folds: folds.count,
-                    left: names(&categories),
-                    all: names(&all),
-                    remedy: "use more reaches; an evaluation can also use fewer folds or group by position",
-                });
-            }
-            let classifier = estimator.fit(&long_enough)?;
-            let results = test(classifier.as_ref(), fold, &of(fold, true))?;
-            Ok((classifier.categories(), results, classifier.training().cloned()))
-        })
-        .collect();
+    let outcomes = (0..folds.count).into_par_iter().map(|fold| {
+        stop::check();
+        let long = |trial: &&Trial| trial.samples.len() >= min_training_samples;
+        let (long_enough, short): (Vec<&Trial>, Vec<&Trial>) = of(fold, false).into_iter().partition(long);
+        let categories: BTreeSet<&str> = long_enough.iter().filter_map(|trial| trial.category.as_deref()).collect();
+        let mut unfitted = short.iter().filter_map(|trial| trial.category.as_deref());
+        if let Some(category) = unfitted.find(|category| !categories.contains(category)) {
+            let (category, samples) = (category.to_owned(), min_training_samples);
+            return Err(EvaluateError::TooShort { category, fold: fold + 1, samples });
+        }
+        // A classifier without a category would call all trials of that category something else, and its scores
+        // would not be comparable with those of the other folds.
+        if categories != all {
+            let (folds, left, all) = (folds.count, names(&categories), names(&all));
+            let remedy = "use more reaches; an evaluation can also use fewer folds or group by position";
+            return Err(EvaluateError::FewCategories { fold: fold + 1, folds, left, all, remedy });
+        }
+        let classifier = estimator.fit(&long_enough)?;
+        let results = test(classifier.as_ref(), fold, &of(fold, true))?;
+        Ok((classifier.categories(), results, classifier.training().cloned()))
+    });
+    let outcomes: Vec<Result<_, EvaluateError>> = outcomes.collect();
     let mut by_fold = Vec::new();
     let (mut categories, mut training) = (Vec::new(), Vec::new());
     for outcome in outcomes {
@@ -193,12 +184,12 @@ pub(super) fn across_folds<T: Send>(
 /// Warns of trials that cross-validation leaves out, and of trials of a single category.
 pub fn warn_of_left_out(trials: &[Trial]) {
     let names = trials.iter().map(|trial| trial.category.as_deref());
-    let (used, left): (Vec<_>, Vec<_>) =
-        frequencies(names).into_iter().partition(|(name, _)| name.is_some_and(is_trained));
+    let counts = frequencies(names).into_iter();
+    let (used, left): (Vec<_>, Vec<_>) = counts.partition(|(name, _)| name.is_some_and(is_trained));
     if !left.is_empty() {
         let count: usize = left.iter().map(|(_, count)| count).sum();
-        let left: Vec<String> =
-            left.iter().map(|(name, count)| format!("{}: {count}", name.unwrap_or("no category"))).collect();
+        let named = |(name, count): &(Option<&str>, usize)| format!("{}: {count}", name.unwrap_or("no category"));
+        let left: Vec<String> = left.iter().map(named).collect();
         log::warn!(
             "{count} of {} trials are left out, because nothing is fitted to them ({})",
             trials.len(),

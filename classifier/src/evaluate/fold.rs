@@ -7,7 +7,7 @@ use underbrush_recording::Trial;
 
 use super::error::EvaluateError;
 use crate::estimator::is_trained;
-use crate::frequency::{frequencies, most_frequent};
+use crate::frequency::{earlier, frequencies, most_frequent};
 
 /// What is kept together in a fold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -89,7 +89,8 @@ impl Folds {
                 let units: Vec<&str> = trials.iter().map(|trial| category(trial)).collect();
                 let count = frequencies(units.iter().copied());
                 self.check_enough(&count, "trials")?;
-                Ok(assign(&units, |place, category| place * self.count / count[category]))
+                let places = earlier(units.iter().copied()).zip(&units);
+                Ok(places.map(|(place, category)| place * self.count / count[category]).collect())
             }
             FoldBy::Reach => {
                 if let Some(trial) = trials.iter().find(|trial| trial.reach.is_none()) {
@@ -97,8 +98,7 @@ impl Folds {
                 }
                 let votes = votes(trials.iter().copied());
                 self.check_enough(&reaches_with(&votes), "reaches")?;
-                let units: Vec<&str> = votes.values().filter_map(most_frequent).collect();
-                let folds = assign(&units, |place, _| place % self.count);
+                let folds = earlier(votes.values().filter_map(most_frequent)).map(|place| place % self.count);
                 let fold_of: BTreeMap<u64, usize> = votes.keys().copied().zip(folds).collect();
                 Ok(trials.iter().filter_map(|trial| fold_of.get(&trial.reach?).copied()).collect())
             }
@@ -107,24 +107,11 @@ impl Folds {
 
     /// An error if a category has fewer units than there are folds.
     fn check_enough(self, count: &BTreeMap<&str, usize>, unit: &'static str) -> Result<(), EvaluateError> {
-        match count.iter().find(|(_, count)| **count < self.count) {
-            Some((category, &found)) => {
-                Err(EvaluateError::TooFew { category: (*category).to_owned(), found, unit, folds: self.count })
-            }
-            None => Ok(()),
-        }
+        let few = count.iter().find(|(_, count)| **count < self.count);
+        few.map_or(Ok(()), |(category, &found)| {
+            Err(EvaluateError::TooFew { category: (*category).to_owned(), found, unit, folds: self.count })
+        })
     }
-}
-
-/// The fold of each unit, given their categories: `fold_of` gives it from the place of a unit within its category.
-fn assign(units: &[&str], fold_of: impl Fn(usize, &str) -> usize) -> Vec<usize> {
-    let mut position: BTreeMap<&str, usize> = BTreeMap::new();
-    let folds = units.iter().copied().map(|category| {
-        let next = position.entry(category).or_default();
-        *next += 1;
-        fold_of(*next - 1, category)
-    });
-    folds.collect()
 }
 
 fn category(trial: &Trial) -> &str {

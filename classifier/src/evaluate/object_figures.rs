@@ -3,8 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
-use underbrush_recording::Category;
-use underbrush_recording::math::median;
+use underbrush_recording::{Category, math::median};
 
 use super::touch_object::JudgedObject;
 use super::{Interval, Record, RocCurve, bootstrap_by_reach};
@@ -139,9 +138,8 @@ impl ObjectVerdicts {
 impl GroupingFigures {
     pub(super) fn of(objects: &[JudgedObject]) -> Option<Self> {
         let [all, own] = objects.iter().fold([0.0; 2], |sum, own| [sum[0] + own.force_n[0], sum[1] + own.force_n[1]]);
-        let pressed =
-            |own: &JudgedObject| own.pressed_by.iter().map(move |object| (own.reach, *object)).collect::<Vec<_>>();
-        let true_objects: BTreeSet<_> = objects.iter().flat_map(pressed).collect();
+        let pressed = objects.iter().flat_map(|own| own.pressed_by.iter().map(move |object| (own.reach, *object)));
+        let true_objects: BTreeSet<_> = pressed.collect();
         let (groups, true_objects) = (objects.len(), true_objects.len());
         (all > 0.0).then(|| GroupingFigures { purity: own / all, groups, true_objects })
     }

@@ -127,7 +127,12 @@ pub fn choose_thresholds(held_out: &Evaluation, targets: ThresholdTargets) -> Re
     check(targets)?;
     let categories = held_out.known_categories();
     let judge = Decision::argmax().prepare(categories)?;
-    let margins = margins(held_out, &judge);
+    let margins = held_out.predictions.iter().map(|prediction| {
+        // A trial that no category admits is uncertain whatever the thresholds, as with a margin of 0.
+        let (taken_for, margin) = judge.margin(&prediction.scores).unwrap_or((0, 0.0));
+        HeldOutMargin { truth: &prediction.category, taken_for, margin }
+    });
+    let margins: Vec<HeldOutMargin> = margins.collect();
     let category_above = category_above(&margins, categories, targets.false_positive_rate)?;
     let decision = Decision::new(Rule::OutlierBand {
         uncertain_below: uncertain_below(&margins, categories, targets.outlier_prior, category_above),
@@ -167,15 +172,6 @@ struct HeldOutMargin<'a> {
     margin: f64,
 }
 
-fn margins<'a>(held_out: &'a Evaluation, judge: &Judge) -> Vec<HeldOutMargin<'a>> {
-    let margins = held_out.predictions.iter().map(|prediction| {
-        // A trial that no category admits is uncertain whatever the thresholds, as with a margin of 0.
-        let (taken_for, margin) = judge.margin(&prediction.scores).unwrap_or((0, 0.0));
-        HeldOutMargin { truth: &prediction.category, taken_for, margin }
-    });
-    margins.collect()
-}
-
 /// The smallest margin above which no category has too many false positives.
 fn category_above(margins: &[HeldOutMargin], categories: &[String], rate: f64) -> Result<f64, ThresholdError> {
     let mut threshold = 0.0f64;
@@ -188,15 +184,11 @@ fn category_above(margins: &[HeldOutMargin], categories: &[String], rate: f64) -
         }
         let allowed = (rate * (found + 1) as f64).floor() - 1.0;
         if allowed < 0.0 {
-            return Err(ThresholdError::TooFewTrials {
-                category: category.clone(),
-                found,
-                needed: (1.0 / rate).ceil() as usize - 1,
-                rate,
-            });
+            let (category, needed) = (category.clone(), (1.0 / rate).ceil() as usize - 1);
+            return Err(ThresholdError::TooFewTrials { category, found, needed, rate });
         }
-        let mut mistakes: Vec<f64> =
-            others.filter(|margin| margin.taken_for == index).map(|margin| margin.margin).collect();
+        let mistakes = others.filter(|margin| margin.taken_for == index);
+        let mut mistakes: Vec<f64> = mistakes.map(|margin| margin.margin).collect();
         mistakes.sort_by(|a, b| b.total_cmp(a));
         // If the threshold is the margin of the next mistake, that mistake is not above it, and only the allowed ones
         // are.
@@ -214,14 +206,11 @@ fn category_above(margins: &[HeldOutMargin], categories: &[String], rate: f64) -
 fn uncertain_below(margins: &[HeldOutMargin], categories: &[String], outlier_prior: f64, category_above: f64) -> f64 {
     let bound = outlier_prior / (1.0 - outlier_prior);
     // What one more trial adds to the mean of (k + 1) / (n + 1), by category.
-    let weight: BTreeMap<&str, f64> = categories
-        .iter()
-        .map(|category| {
-            let share = 1.0 / categories.len() as f64;
-            let count = margins.iter().filter(|margin| margin.truth == category).count();
-            (category.as_str(), share / (count + 1) as f64)
-        })
-        .collect();
+    let weights = categories.iter().map(|category| {
+        let count = margins.iter().filter(|margin| margin.truth == category).count();
+        (category.as_str(), 1.0 / categories.len() as f64 / (count + 1) as f64)
+    });
+    let weight: BTreeMap<&str, f64> = weights.collect();
     let mut in_band: Vec<&HeldOutMargin> = margins.iter().filter(|margin| margin.margin <= category_above).collect();
     in_band.sort_by(|a, b| b.margin.total_cmp(&a.margin));
     let mut share: f64 = weight.values().sum();

@@ -94,10 +94,8 @@ impl TouchEvaluation {
     /// [`TrialError`] if the patch or a frame does not fit.
     pub fn of(model: &Arc<TouchModel>, recording: &Recording) -> Result<Self, TrialError> {
         let mut classifier = TouchClassifier::new(Arc::clone(model), &recording.layout)?;
-        let mut evaluation = TouchEvaluation {
-            tallies: vec![TouchTally::default(); model.categories().len() + 2],
-            ..TouchEvaluation::default()
-        };
+        let tallies = vec![TouchTally::default(); model.categories().len() + 2];
+        let mut evaluation = TouchEvaluation { tallies, ..TouchEvaluation::default() };
         // By patch and taxel.
         let mut open: BTreeMap<(usize, usize), OpenContact> = BTreeMap::new();
         let mut objects = Followed::<OpenObject>::default();
@@ -166,9 +164,8 @@ impl TouchEvaluation {
     /// Counts the probabilities of a taxel frame whose truth is this class: 0 is nothing, and the categories follow.
     fn calibrate(&mut self, nothing: f64, probabilities: &[f64], class: usize) {
         let (mut likeliest, mut largest) = (0, nothing);
-        let joint =
-            std::iter::once(nothing).chain(probabilities.iter().map(|probability| (1.0 - nothing) * probability));
-        for (index, probability) in joint.enumerate() {
+        let touched = probabilities.iter().map(|probability| (1.0 - nothing) * probability);
+        for (index, probability) in std::iter::once(nothing).chain(touched).enumerate() {
             if probability > largest {
                 (likeliest, largest) = (index, probability);
             }
@@ -184,9 +181,7 @@ impl TouchEvaluation {
     /// Adds the verdicts on other recordings by a model with the same categories.
     pub fn add(&mut self, other: TouchEvaluation) {
         self.tallies.resize(self.tallies.len().max(other.tallies.len()), TouchTally::default());
-        for (own, other) in self.tallies.iter_mut().zip(&other.tallies) {
-            *own = own.plus(other);
-        }
+        self.tallies.iter_mut().zip(&other.tallies).for_each(|(own, other)| *own = own.plus(other));
         self.contacts.extend(other.contacts);
         for (own, other) in self.calibration.iter_mut().zip(&other.calibration) {
             own.count += other.count;
@@ -208,11 +203,9 @@ impl TouchEvaluation {
     /// How often the likeliest category of a contact is right, for a model with these categories; `None` without
     /// contacts. There is no balanced accuracy unless every category has a contact.
     pub fn accuracy(&self, categories: &[String], likeliest: fn(&JudgedContact) -> usize) -> Option<Accuracy> {
-        let record = |own: &JudgedContact| Record {
-            truth: &categories[own.category],
-            verdict: likeliest(own),
-            scores: &[],
-            reach: None,
+        let record = |own: &JudgedContact| {
+            let truth = &categories[own.category];
+            Record { truth, verdict: likeliest(own), scores: &[], reach: None }
         };
         let confusion = ConfusionMatrix::of(self.contacts.iter().map(record), categories);
         let accuracy = confusion.accuracy()?;

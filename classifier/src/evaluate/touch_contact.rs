@@ -38,12 +38,8 @@ pub(super) struct OpenContact {
 
 impl OpenContact {
     pub(super) fn new(categories: usize) -> Self {
-        OpenContact {
-            votes: vec![0; categories + 1],
-            evidence: vec![0.0; categories],
-            first_verdicts: vec![None; categories],
-            ..OpenContact::default()
-        }
+        let (votes, evidence) = (vec![0; categories + 1], vec![0.0; categories]);
+        OpenContact { votes, evidence, first_verdicts: vec![None; categories], ..OpenContact::default() }
     }
 
     pub(super) fn push(&mut self, taxel: &TaxelTouch, probabilities: &[f64], truth: Touch) {

@@ -62,6 +62,14 @@ pub struct TruthFigures {
     pub called_unknown: Option<f64>,
 }
 
+impl TruthFigures {
+    fn of(truth: String, tally: &TouchTally) -> Self {
+        let [right, wrong, uncertain, called_unknown] =
+            [tally.right, tally.wrong, tally.uncertain, tally.unknown].map(|part| share(part, tally.total()));
+        TruthFigures { truth, taxel_frames: tally.total(), right, wrong, uncertain, called_unknown }
+    }
+}
+
 /// Shares of the taxel frames of a reach that a known category presses on, on average over reaches. Every reach has the
 /// same weight. [`crate::touch::TouchExamples::fit`] limits those of wrong verdicts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -111,17 +119,7 @@ impl TouchFigures {
             grouping: GroupingFigures::of(&evaluation.objects),
             stiffness: StiffnessFigures::of(&evaluation.objects),
             objects: evaluation.objects.clone(),
-            truths: truths
-                .zip(&evaluation.tallies)
-                .map(|(truth, tally)| TruthFigures {
-                    truth,
-                    taxel_frames: tally.total(),
-                    right: share(tally.right, tally.total()),
-                    wrong: share(tally.wrong, tally.total()),
-                    uncertain: share(tally.uncertain, tally.total()),
-                    called_unknown: share(tally.unknown, tally.total()),
-                })
-                .collect(),
+            truths: truths.zip(&evaluation.tallies).map(|(truth, tally)| TruthFigures::of(truth, tally)).collect(),
             by_reach: ReachFigures::of(&evaluation.reaches),
             spurious_called_nothing: share(nothing.right, nothing.total()),
             touches_lost: share(known.nothing, known.total()),

@@ -131,13 +131,9 @@ pub fn cross_validate_touch<R: ReadReaches>(
     let models = (0..folds).map(|fold| {
         let model = fit(&examples.some(|position| position % folds != fold))?;
         if model.categories() != categories {
-            return Err(refused(EvaluateError::FewCategories {
-                fold: fold + 1,
-                folds,
-                left: model.categories().to_vec(),
-                all: categories.clone(),
-                remedy: "use more reaches or another number of folds",
-            }));
+            let (left, all) = (model.categories().to_vec(), categories.clone());
+            let remedy = "use more reaches or another number of folds";
+            return Err(refused(EvaluateError::FewCategories { fold: fold + 1, folds, left, all, remedy }));
         }
         Ok(model)
     });

@@ -25,6 +25,11 @@ pub enum SampleFault {
 }
 
 impl SampleFault {
+    /// The value of a column, if it is finite.
+    pub(crate) fn finite(column: &'static str, value: f64) -> Result<f64, Self> {
+        if value.is_finite() { Ok(value) } else { Err(SampleFault::NotFinite { column, value }) }
+    }
+
     /// The fault in a sample of a trial.
     pub(crate) fn at(self, trial: &Trial, sample: usize) -> FeatureError {
         FeatureError::BadSample { trial: trial.trial, sample, fault: self }

@@ -123,10 +123,7 @@ impl FeatureSet {
     pub fn read(&self, sample: &Sample, values: &mut [f64]) -> Result<(), SampleFault> {
         for (feature, place) in self.iter().zip(values) {
             let value = feature.read(sample).ok_or(SampleFault::Missing(feature))?;
-            if !value.is_finite() {
-                return Err(SampleFault::NotFinite { column: feature.column, value });
-            }
-            *place = value;
+            *place = SampleFault::finite(feature.column, value)?;
         }
         Ok(())
     }
@@ -136,10 +133,8 @@ impl FeatureSet {
     /// # Errors
     /// [`SampleFault::NotFinite`] for the first that is.
     pub(crate) fn check_scaled(&self, values: &[f64]) -> Result<(), SampleFault> {
-        match self.iter().zip(values).find(|(_, value)| !value.is_finite()) {
-            Some((feature, value)) => Err(SampleFault::NotFinite { column: feature.column, value: *value }),
-            None => Ok(()),
-        }
+        let mut scaled = self.iter().zip(values);
+        scaled.try_for_each(|(feature, value)| SampleFault::finite(feature.column, *value).map(|_| ()))
     }
 
     /// Appends the features of one sample to those of the samples before it, unless there are `window` samples already.

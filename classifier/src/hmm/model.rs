@@ -97,12 +97,9 @@ impl GaussianHmm {
         let mean = parameters.mean.concat();
         let covariance: Vec<f64> = parameters.covariance.iter().flatten().flatten().copied().collect();
         let gaussians = Gaussians::new(dimension, &mean, &covariance).map_err(|state| {
-            error(
-                format!("covariance[{state}]"),
-                "a matrix that is not positive definite",
-                "positive definite covariances",
-                "train with a variance floor above 0, or raise the diagonal",
-            )
+            let (found, allowed) = ("a matrix that is not positive definite", "positive definite covariances");
+            let remedy = "train with a variance floor above 0, or raise the diagonal";
+            error(format!("covariance[{state}]"), found, allowed, remedy)
         })?;
         Ok(GaussianHmm { states, parameters, gaussians })
     }

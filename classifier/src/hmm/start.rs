@@ -37,13 +37,8 @@ pub fn equal_slice_start(
         mean.push(state_mean);
         covariance.push(state_covariance);
     }
-    let parameters = HmmParameters {
-        initial: initial.probabilities(states),
-        transition: topology.transitions(states),
-        mean,
-        covariance,
-    };
-    Ok(GaussianHmm::new(parameters)?)
+    let (initial, transition) = (initial.probabilities(states), topology.transitions(states));
+    Ok(GaussianHmm::new(HmmParameters { initial, transition, mean, covariance })?)
 }
 
 /// Mean and covariance (divided by the number of samples) of one slice over all sequences.

@@ -95,9 +95,8 @@ fn model_numbers(category: &str, model: &GaussianHmm) -> Result<(), Fault> {
     let parameters = model.parameters();
     check_limits(format!("models.{category}.initial"), model.states as f64, STATES)?;
     for (state, mean) in parameters.mean.iter().enumerate() {
-        for value in mean {
-            check_limits(format!("models.{category}.mean[{state}]"), *value, MEAN)?;
-        }
+        let field = format!("models.{category}.mean[{state}]");
+        mean.iter().try_for_each(|value| check_limits(&field, *value, MEAN))?;
     }
     for (state, covariance) in parameters.covariance.iter().enumerate() {
         for (feature, row) in covariance.iter().enumerate() {
@@ -126,9 +125,8 @@ fn scaling_numbers(scaling: &Scaling, features: FeatureSet) -> Result<(), Fault>
 
 fn training_numbers(training: &BTreeMap<String, TrainingHistory>) -> Result<(), Fault> {
     for (category, history) in training {
-        for value in &history.log_likelihood {
-            check_limits(format!("training.{category}.log_likelihood"), *value, LOG_LIKELIHOOD)?;
-        }
+        let field = format!("training.{category}.log_likelihood");
+        history.log_likelihood.iter().try_for_each(|value| check_limits(&field, *value, LOG_LIKELIHOOD))?;
         if let Stop::Fell { by, .. } = history.stop {
             check_limits(format!("training.{category}.stop.fell.by"), by, FALL)?;
         }

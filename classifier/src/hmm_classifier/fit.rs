@@ -60,19 +60,15 @@ impl HmmClassifier {
     /// a category of `start` has no trials.
     pub fn train_from(start: &HmmClassifier, trials: &[Trial], options: &TrainingOptions) -> Result<Self, ModelError> {
         check_training(options)?;
-        let trained: Vec<_> = start
-            .models
-            .par_iter()
-            .map(|(category, model)| {
-                let own: Vec<&Trial> =
-                    trials.iter().filter(|trial| trial.category.as_ref() == Some(category)).collect();
-                if own.is_empty() {
-                    return Err(ModelError::NoTrials { category: category.clone() });
-                }
-                let sequences = own.iter().map(|trial| start.sequence(trial)).collect::<Result<Vec<_>, _>>()?;
-                with_category(category.clone(), train(&model.model, &sequences, options))
-            })
-            .collect();
+        let trained = start.models.par_iter().map(|(category, model)| {
+            let own = trials.iter().filter(|trial| trial.category.as_ref() == Some(category));
+            let sequences = own.map(|trial| start.sequence(trial)).collect::<Result<Vec<_>, _>>()?;
+            if sequences.is_empty() {
+                return Err(ModelError::NoTrials { category: category.clone() });
+            }
+            with_category(category.clone(), train(&model.model, &sequences, options))
+        });
+        let trained: Vec<Result<Trained, ModelError>> = trained.collect();
         let (models, training): (BTreeMap<_, _>, BTreeMap<_, _>) = trained.into_iter().collect::<Result<_, _>>()?;
         let recipe = start.recipe.clone().map(|recipe| Recipe { training: *options, ..recipe });
         let set = HmmClassifier::new(start.features, models)?;
@@ -86,8 +82,6 @@ fn with_category(
     category: String,
     outcome: Result<(GaussianHmm, TrainingHistory), TrainingError>,
 ) -> Result<Trained, ModelError> {
-    match outcome {
-        Ok((model, history)) => Ok(((category.clone(), model), (category, history))),
-        Err(source) => Err(ModelError::Training { category, source }),
-    }
+    let (model, history) = outcome.map_err(|source| ModelError::Training { category: category.clone(), source })?;
+    Ok(((category.clone(), model), (category, history)))
 }

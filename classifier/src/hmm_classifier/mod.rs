@@ -161,7 +161,15 @@ impl Classifier for HmmClassifier {
     }
 
     fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
-        Box::new(HmmOnlineScorer::new(self, contacts))
+        let models = self.models.values().cloned().collect();
+        Box::new(HmmOnlineScorer {
+            features: self.features,
+            scaling: self.scaling.clone(),
+            max_samples: self.max_samples().unwrap_or(usize::MAX),
+            bank: FilterBank::new(self.score_kind(), models, contacts),
+            samples: vec![0; contacts],
+            values: vec![0.0; self.features.dimension()],
+        })
     }
 
     fn file_entries(&self) -> Vec<(&'static str, Value)> {
@@ -211,20 +219,6 @@ struct HmmOnlineScorer {
     samples: Vec<usize>,
     /// The features of the current sample.
     values: Vec<f64>,
-}
-
-impl HmmOnlineScorer {
-    fn new(classifier: &HmmClassifier, contacts: usize) -> Self {
-        let models = classifier.models.values().cloned().collect();
-        HmmOnlineScorer {
-            features: classifier.features,
-            scaling: classifier.scaling.clone(),
-            max_samples: classifier.max_samples().unwrap_or(usize::MAX),
-            bank: FilterBank::new(classifier.score_kind(), models, contacts),
-            samples: vec![0; contacts],
-            values: vec![0.0; classifier.features.dimension()],
-        }
-    }
 }
 
 impl OnlineScorer for HmmOnlineScorer {

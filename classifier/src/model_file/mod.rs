@@ -236,9 +236,8 @@ fn check_decision(document: &Document, decision: &Decision, categories: &[String
 }
 
 fn numbers(decision: &Decision) -> Result<(), Fault> {
-    for (category, prior) in &decision.prior {
-        check_limits(format!("prior.{category}"), *prior, PRIOR)?;
-    }
+    let mut priors = decision.prior.iter();
+    priors.try_for_each(|(category, prior)| check_limits(format!("prior.{category}"), *prior, PRIOR))?;
     let margins = match decision.rule {
         Rule::Argmax => vec![],
         Rule::UncertainBelow { margin } => vec![("margin", margin)],
@@ -246,10 +245,7 @@ fn numbers(decision: &Decision) -> Result<(), Fault> {
             vec![("uncertain_below", uncertain_below), ("category_above", category_above)]
         }
     };
-    for (key, margin) in margins {
-        check_limits(format!("rule.{key}"), margin, MARGIN_NATS)?;
-    }
-    Ok(())
+    margins.into_iter().try_for_each(|(key, margin)| check_limits(format!("rule.{key}"), margin, MARGIN_NATS))
 }
 
 #[cfg(test)]

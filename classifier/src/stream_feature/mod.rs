@@ -81,9 +81,7 @@ impl Selection {
     pub fn push(&self, state: &mut StreamFeatures, sample: &Sample) -> Result<(), SampleFault> {
         let mut values = [0.0; StreamFeatures::COUNT];
         self.inputs.read(sample, &mut values)?;
-        if !sample.time_s.is_finite() {
-            return Err(SampleFault::NotFinite { column: "time_s", value: sample.time_s });
-        }
+        SampleFault::finite("time_s", sample.time_s)?;
         // All channels were read above.
         let channels: Vec<f64> = self.channels().map(|channel| channel.read(sample).unwrap_or_default()).collect();
         state.push(sample, channels.into_iter());
@@ -107,7 +105,8 @@ impl Selection {
     /// # Errors
     /// [`FeatureError`] if the trial is empty, lacks a feature, or holds NaN or infinity.
     pub fn after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, FeatureError> {
-        after(trial, counts, |state: &mut StreamFeatures, sample| self.push(state, sample), |state| self.values(state))
+        let push = |state: &mut StreamFeatures, sample: &Sample| self.push(state, sample);
+        after(trial, counts, StreamFeatures::default(), push, |state| Ok(self.values(state)))
     }
 }
 
@@ -115,17 +114,17 @@ impl Selection {
 /// takes in the samples with `push`.
 ///
 /// # Errors
-/// [`FeatureError`] if the trial is empty, or `push` refuses a sample.
-pub(crate) fn after<S: Default>(
+/// [`FeatureError`] if the trial is empty, or `push` refuses a sample, and the errors of `values`.
+pub(crate) fn after<S, E: From<FeatureError>>(
     trial: &Trial,
     counts: &[usize],
+    mut state: S,
     push: impl Fn(&mut S, &Sample) -> Result<(), SampleFault>,
-    values: impl Fn(&S) -> Vec<f64>,
-) -> Result<Vec<Vec<f64>>, FeatureError> {
+    values: impl Fn(&mut S) -> Result<Vec<f64>, E>,
+) -> Result<Vec<Vec<f64>>, E> {
     if trial.samples.is_empty() {
-        return Err(FeatureError::Empty { trial: trial.trial });
+        return Err(FeatureError::Empty { trial: trial.trial }.into());
     }
-    let mut state = S::default();
     let mut found = Vec::with_capacity(counts.len());
     let mut taken = 0;
     for &count in counts {
@@ -133,7 +132,7 @@ pub(crate) fn after<S: Default>(
             push(&mut state, sample).map_err(|fault| fault.at(trial, taken))?;
             taken += 1;
         }
-        found.push(values(&state));
+        found.push(values(&mut state)?);
     }
     Ok(found)
 }

@@ -80,13 +80,9 @@ impl Examples {
                 && let Some(category) = truth(tracker, region, recording)
                 && is_trained(&category)
             {
-                let taxels = tracker.taxels(region).iter();
-                self.regions.push(RegionExample {
-                    features: region.course.features(),
-                    category,
-                    touched: taxels.filter(|taxel| tracker.image.is_touched(**taxel)).count(),
-                    is_regular,
-                });
+                let features = region.course.features();
+                let touched = tracker.taxels(region).iter().filter(|taxel| tracker.image.is_touched(**taxel)).count();
+                self.regions.push(RegionExample { features, category, touched, is_regular });
             }
             for &taxel in tracker.taxels(region) {
                 if (is_regular || EARLY_SAMPLES.contains(&tracker.samples(taxel)))

@@ -8,8 +8,7 @@ use underbrush_recording::{Frame, Pose, SkinLayout};
 use super::compress::{COUNT_KNEE, PLAIN};
 use super::contact_history::{Course, MOTION_KNEE_M, STIFFNESS_KNEE_N_PER_M};
 use super::region::{Motion, Region, RegionTracker};
-use crate::stream_feature::Moments;
-use crate::stream_feature::features;
+use crate::stream_feature::{Moments, features};
 use crate::trial::{PatchImage, TrialError, TrialOptions};
 
 /// The patch, and the force above which a taxel is in contact.

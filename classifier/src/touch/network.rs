@@ -6,10 +6,8 @@ use rand::{RngExt, SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::stop;
-use underbrush_recording::{Limits, math};
-
 use underbrush_recording::vector::vectorized;
+use underbrush_recording::{Limits, math, stop};
 
 /// Fitted numbers of any kind. Choice, as for the files of classifiers of trials: standardized features and logarithms
 /// stay far below, and products of such numbers stay finite.
@@ -235,10 +233,8 @@ impl Descent {
         self.steps += 1;
         let corrections = DECAY.map(|decay| 1.0 - decay.powi(i32::try_from(self.steps).unwrap_or(i32::MAX)));
         let [means, squares] = self.averages.each_mut().map(Network::weights_mut);
-        let averages = means.into_iter().zip(squares);
-        for ((weights, gradients), (means, squares)) in
-            network.weights_mut().into_iter().zip(self.gradient.weights_mut()).zip(averages)
-        {
+        let layers = network.weights_mut().into_iter().zip(self.gradient.weights_mut());
+        for ((weights, gradients), (means, squares)) in layers.zip(means.into_iter().zip(squares)) {
             let averages = means.iter_mut().zip(squares);
             for ((weight, gradient), (mean, square)) in weights.iter_mut().zip(gradients).zip(averages) {
                 let slope = *gradient + PENALTY * *weight;

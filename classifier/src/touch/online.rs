@@ -195,9 +195,8 @@ impl TouchClassifier {
         let count = self.model.categories().len();
         self.keep_objects(count);
         let regions = self.patches.iter().flat_map(SkinTracker::regions);
-        for ((region, object), probabilities) in
-            regions.zip(&self.tracker.of_region).zip(self.probabilities.chunks_exact_mut(count))
-        {
+        let probabilities = self.probabilities.chunks_exact_mut(count);
+        for ((region, object), probabilities) in regions.zip(&self.tracker.of_region).zip(probabilities) {
             let Some(object) = *object else { continue };
             let force_n = region.course.now.force_n;
             self.weights_n[object] += force_n;

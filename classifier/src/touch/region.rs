@@ -157,9 +157,8 @@ fn neighbours(image: &PatchImage) -> Vec<Vec<usize>> {
             f64::INFINITY
         }
     };
-    let nearest: Vec<f64> = (0..taxels.len())
-        .map(|one| (0..taxels.len()).map(|other| distance(one, other)).fold(f64::INFINITY, f64::min))
-        .collect();
+    let nearest_to = |one| (0..taxels.len()).map(|other| distance(one, other)).fold(f64::INFINITY, f64::min);
+    let nearest: Vec<f64> = (0..taxels.len()).map(nearest_to).collect();
     let near =
         |one: usize, other: usize| distance(one, other) <= NEARLY * nearest[one].max(nearest[other]).min(f64::MAX);
     (0..taxels.len()).map(|one| (0..taxels.len()).filter(|other| near(one, *other)).collect()).collect()

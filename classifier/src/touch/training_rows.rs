@@ -9,7 +9,7 @@ use underbrush_recording::Recording;
 
 use super::example::Examples;
 use super::frame::TouchOptions;
-use crate::frequency::frequencies;
+use crate::frequency::{earlier, frequencies};
 use crate::trial::TrialError;
 
 /// Number of parts into which reaches are divided. Each part is judged by a model that is fitted to the others.
@@ -125,19 +125,10 @@ impl TouchExamples {
 
 /// The fold of each reach, from the categories that it touches.
 fn dealt(touched: &[BTreeSet<String>]) -> Vec<usize> {
-    let (in_turn, by_gaps) = (in_turn(touched), by_gaps(touched));
+    // Reaches that touch the same categories go to the folds in turn.
+    let in_turn: Vec<usize> = earlier(touched).map(|place| place % FOLDS).collect();
+    let by_gaps = by_gaps(touched);
     if gaps(touched, &by_gaps) < gaps(touched, &in_turn) { by_gaps } else { in_turn }
-}
-
-/// Reaches that touch the same categories go to the folds in turn.
-fn in_turn(touched: &[BTreeSet<String>]) -> Vec<usize> {
-    let mut count: BTreeMap<&BTreeSet<String>, usize> = BTreeMap::new();
-    let fold = |categories| {
-        let next = count.entry(categories).or_default();
-        *next += 1;
-        (*next - 1) % FOLDS
-    };
-    touched.iter().map(fold).collect()
 }
 
 /// Each reach goes to the fold that has the fewest of its categories, or else to the one with fewer reaches. Those with

@@ -145,13 +145,11 @@ pub(super) fn read(
         for (reading, column) in readings.iter_mut().zip(&columns.forces) {
             *reading = parsed(*column)?;
         }
-        let reach = match columns.reach {
-            Some(column) => {
-                let number = whole_number(cell(column)).and_then(|number| u64::try_from(number).ok());
-                number.ok_or_else(|| wrong(column, "a whole number, 0 or more"))?
-            }
-            None => 0,
+        let whole = |column: usize| {
+            let number = whole_number(cell(column)).and_then(|number| u64::try_from(number).ok());
+            number.ok_or_else(|| wrong(column, "a whole number, 0 or more"))
         };
+        let reach = columns.reach.map_or(Ok(0), whole)?;
         number = if reach_before.replace(reach) == Some(reach) { number + 1 } else { 0 };
         let time_s = match columns.time {
             Some(column) => mapping.time_s(parsed(column)?),

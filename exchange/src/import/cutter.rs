@@ -160,11 +160,10 @@ impl<'a> Cutter<'a> {
                 self.keep(ended);
             }
             self.is_interrupted[taxel] = !is_in_contact;
-            if !is_in_contact {
-                continue;
+            if is_in_contact {
+                let sample = self.sample(time_s, taxel, region, channels);
+                longest = longest.max(self.add(taxel, Some(taxel as u32), sample));
             }
-            let sample = self.sample(time_s, taxel, region, channels);
-            longest = longest.max(self.add(taxel, Some(taxel as u32), sample));
         }
         longest
     }

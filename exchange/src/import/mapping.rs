@@ -8,7 +8,7 @@ use std::sync::Arc;
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
 use underbrush_recording::disk::TRIAL_COLUMNS;
-use underbrush_recording::limits::NAME_BYTES;
+use underbrush_recording::limits::{NAME_BYTES, first_outside};
 use underbrush_recording::{
     Category, Grid, InputError, Limits, TEXT_BYTES, is_plain, line_setting, parse_toml, read_text, short,
 };
@@ -256,10 +256,9 @@ impl Mapping {
             ("trial.release_n", trial.release_n, Limits::new(THRESHOLD_N.min, self.threshold_n, "N")),
             ("trial.gap_s", trial.gap_s, GAP_S),
         ];
-        for (field, number, limits) in numbers {
-            if let Some(number) = number.filter(|number| !limits.hold(*number)) {
-                return Err(self.fault(field, short(number), limits.to_string()));
-            }
+        let given = numbers.into_iter().filter_map(|(field, number, limits)| Some((field, number?, limits)));
+        if let Some((field, found, allowed)) = first_outside(given) {
+            return Err(self.fault(field, found, allowed));
         }
         let is_rate_alone = time.rate_hz.is_some() && time.from.is_none();
         let pairs = [

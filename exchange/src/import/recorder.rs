@@ -48,10 +48,8 @@ pub(super) struct Recorder<'a> {
 impl<'a> Recorder<'a> {
     /// A recorder with the taxels of the mapping's file.
     pub(super) fn new(path: &'a Path, mapping: &'a Mapping) -> Result<Self, InputError> {
-        let missing = || {
-            mapping.fault("skin.taxels", "nothing".into(), "the file of the taxels' places, for recordings in a folder")
-        };
-        let file = mapping.taxels_file().ok_or_else(missing)?;
+        let allowed = "the file of the taxels' places, for recordings in a folder";
+        let file = mapping.taxels_file().ok_or_else(|| mapping.fault("skin.taxels", "nothing".into(), allowed))?;
         let name = mapping.file.trial.patch.clone().unwrap_or_else(|| "skin".into());
         let taxels = read_taxels(&file)?;
         let expected = mapping.taxels();
@@ -103,12 +101,8 @@ impl<'a> Recorder<'a> {
                     return Err(fault.at_line(place.line));
                 };
                 self.object = u16::try_from(reach.objects.len()).ok();
-                reach.objects.push(ObjectRecord {
-                    kind: self.label.clone(),
-                    category,
-                    position_world: DVec3::ZERO,
-                    parameters: Default::default(),
-                });
+                let (kind, parameters) = (self.label.clone(), Default::default());
+                reach.objects.push(ObjectRecord { kind, category, position_world: DVec3::ZERO, parameters });
             }
         }
         let pressed = |force_n: f64| self.object.filter(|_| pressed_n(force_n) > 0.0);
@@ -119,8 +113,7 @@ impl<'a> Recorder<'a> {
             object: pressed(force_n),
             ..TaxelReading::default()
         };
-        let taxels: Vec<TaxelReading> =
-            (forces_n.enumerate().filter(|(_, force_n)| *force_n > 0.0).map(reading)).collect();
+        let taxels = forces_n.enumerate().filter(|(_, force_n)| *force_n > 0.0).map(reading).collect();
         let pose = pose.map_or(Pose::IDENTITY, |numbers| Pose::from_numbers(&numbers));
         let pose = Pose { orientation: pose.orientation.normalize(), ..pose };
         if let Some(before) = reach.frames.last() {
@@ -147,6 +140,7 @@ impl<'a> Recorder<'a> {
 
     /// A reach without frames. Files need a joint: one that does not move.
     fn empty(&self, reach_index: u64) -> Recording {
+        let owner = BodyOwner::Link(self.layout.patches[0].link.clone());
         Recording {
             scene: self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             controller: Recording::UNKNOWN_CONTROLLER.into(),
@@ -155,12 +149,7 @@ impl<'a> Recorder<'a> {
             joint_names: vec!["fixed".into()],
             layout: self.layout.clone(),
             // The labels are the truth, even if they say that nothing presses: the link is known, and there are no objects.
-            bodies: vec![Body {
-                owner: BodyOwner::Link(self.layout.patches[0].link.clone()),
-                parts: Vec::new(),
-                rest_pose_world: Pose::IDENTITY,
-                track: Vec::new(),
-            }],
+            bodies: vec![Body { owner, parts: Vec::new(), rest_pose_world: Pose::IDENTITY, track: Vec::new() }],
             ..Recording::default()
         }
     }
@@ -185,11 +174,9 @@ impl<'a> Recorder<'a> {
             reach.frames = grid.filled(std::mem::take(&mut reach.frames));
             all += reach.frames.len();
             for (number, frame) in (0..).zip(&reach.frames) {
-                let object = frame.taxels.iter().find_map(|own| own.object);
+                let Some(object) = frame.taxels.iter().find_map(|own| own.object) else { continue };
                 let force_n = frame.taxels.iter().map(|own| own.true_normal_force_n).sum();
-                if let Some(object) = object {
-                    add_contact(&mut reach.contacts, object, number, force_n, &layout);
-                }
+                add_contact(&mut reach.contacts, object, number, force_n, &layout);
             }
         }
         let mut warnings = other_rate(&reaches).into_iter().collect::<Vec<_>>();

@@ -34,6 +34,15 @@ pub struct Spot<'a> {
 /// A value in which no object has a key twice. With two values it would be unclear which one is meant.
 struct Unique(Value);
 
+/// Visits of values that hold no others.
+macro_rules! plain {
+    ($($visit:ident: $of:ty),*) => {
+        $(fn $visit<E: Error>(self, value: $of) -> Result<Unique, E> {
+            Ok(Unique(value.into()))
+        })*
+    };
+}
+
 impl<'de> Deserialize<'de> for Unique {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct AnyValue;
@@ -48,25 +57,7 @@ impl<'de> Deserialize<'de> for Unique {
                 Ok(Unique(Value::Null))
             }
 
-            fn visit_bool<E: Error>(self, value: bool) -> Result<Unique, E> {
-                Ok(Unique(value.into()))
-            }
-
-            fn visit_i64<E: Error>(self, value: i64) -> Result<Unique, E> {
-                Ok(Unique(value.into()))
-            }
-
-            fn visit_u64<E: Error>(self, value: u64) -> Result<Unique, E> {
-                Ok(Unique(value.into()))
-            }
-
-            fn visit_f64<E: Error>(self, value: f64) -> Result<Unique, E> {
-                Ok(Unique(value.into()))
-            }
-
-            fn visit_str<E: Error>(self, value: &str) -> Result<Unique, E> {
-                Ok(Unique(value.into()))
-            }
+            plain!(visit_bool: bool, visit_i64: i64, visit_u64: u64, visit_f64: f64, visit_str: &str);
 
             fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Unique, A::Error> {
                 let mut values = Vec::new();
@@ -147,10 +138,7 @@ impl<'a> Spot<'a> {
 
     /// The value as a list of `N` numbers.
     pub fn numbers<const N: usize>(&self, allowed: &str) -> Result<[f64; N], LineError> {
-        let numbers = self.value.as_array().and_then(|values| {
-            let numbers: Option<Vec<f64>> = values.iter().map(Value::as_f64).collect();
-            numbers?.try_into().ok()
-        });
+        let numbers = Vec::<f64>::deserialize(self.value).ok().and_then(|numbers| numbers.try_into().ok());
         numbers.ok_or_else(|| self.error(allowed))
     }
 

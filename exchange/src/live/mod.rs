@@ -48,8 +48,7 @@ impl<R: BufRead> Lines<R> {
             if self.number == 1 && self.buffer.starts_with("\u{feff}".as_bytes()) {
                 self.buffer.drain(..3);
             }
-            let whole = self.buffer.last() == Some(&b'\n');
-            if !whole && self.buffer.len() > self.max_bytes {
+            if self.buffer.len() > self.max_bytes && self.buffer.last() != Some(&b'\n') {
                 self.reader.skip_until(b'\n')?;
                 let allowed = format!("at most {} bytes for this skin", self.max_bytes);
                 break Err(LineError::new("line", format!("more than {} bytes", self.max_bytes), allowed));

@@ -20,15 +20,13 @@ pub(super) const UNKNOWN: Range<usize> = 2..3;
 /// All three classes.
 pub(super) const ALL: Range<usize> = 0..3;
 const CLASSES: [Class; ALL.end] = [Class::Leaf, Class::Trunk, Class::Unknown];
+/// Leaves and trunks together, for the share of them that is called unknown.
+pub(super) const CALLED_UNKNOWN: Range<usize> = 3..4;
 
-/// Numbers of right verdicts and of objects, in a reach at one moment.
+/// Numbers of right verdicts and of objects, in a reach at one moment: for leaves, trunks and unknown objects. The last are the
+/// numbers of leaves and trunks that are called unknown, and of all of these.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Counts {
-    /// For leaves, trunks and unknown objects.
-    classes: [[usize; 2]; ALL.end],
-    /// Leaves and trunks that are called unknown.
-    called_unknown: usize,
-}
+pub(super) struct Counts([[usize; 2]; CALLED_UNKNOWN.end]);
 
 impl Counts {
     pub(super) fn of(objects: &[JudgedObject], moment: usize) -> Self {
@@ -36,9 +34,11 @@ impl Counts {
         for object in objects {
             let verdict = object.verdicts[moment];
             let Some(class) = CLASSES.iter().position(|class| *class == object.truth) else { continue };
-            counts.classes[class][0] += usize::from(verdict == object.truth);
-            counts.classes[class][1] += 1;
-            counts.called_unknown += usize::from(verdict == Class::Unknown && object.truth != Class::Unknown);
+            counts.0[class][0] += usize::from(verdict == object.truth);
+            counts.0[class][1] += 1;
+            let is_known = KNOWN.contains(&class);
+            counts.0[CALLED_UNKNOWN.start][0] += usize::from(is_known && verdict == Class::Unknown);
+            counts.0[CALLED_UNKNOWN.start][1] += usize::from(is_known);
         }
         counts
     }
@@ -46,28 +46,23 @@ impl Counts {
     fn sum(all: &[&Counts]) -> Counts {
         let mut sum = Counts::default();
         for own in all {
-            for (sum, own) in sum.classes.iter_mut().flatten().zip(own.classes.iter().flatten()) {
+            for (sum, own) in sum.0.iter_mut().flatten().zip(own.0.iter().flatten()) {
                 *sum += own;
             }
-            sum.called_unknown += own.called_unknown;
         }
         sum
     }
 
     /// Numbers of leaves, trunks and unknown objects.
     pub(super) fn objects(all: &[&Counts]) -> [usize; ALL.end] {
-        Counts::sum(all).classes.map(|[_, objects]| objects)
+        let [leaves, trunks, unknown, _] = Counts::sum(all).0.map(|[_, objects]| objects);
+        [leaves, trunks, unknown]
     }
 
-    /// Mean over these classes of the share that is called what it is; `None` if there is no object of a class.
+    /// Mean over these classes of the share that is called what it is; `None` if there is no object of a class. For
+    /// [`CALLED_UNKNOWN`], it is that share.
     pub(super) fn accuracy(all: &[&Counts], classes: Range<usize>) -> Option<f64> {
-        balanced(&Counts::sum(all).classes[classes])
-    }
-
-    /// The share of leaves and trunks that are called unknown.
-    pub(super) fn false_alarms(all: &[&Counts]) -> Option<f64> {
-        let sum = Counts::sum(all);
-        balanced(&[[sum.called_unknown, sum.classes[KNOWN].iter().map(|[_, objects]| objects).sum()]])
+        balanced(&Counts::sum(all).0[classes])
     }
 }
 
@@ -167,7 +162,7 @@ mod tests {
         near(Counts::accuracy(&[&counts], KNOWN), (1.0 / 3.0 + 1.0) / 2.0);
         near(Counts::accuracy(&[&counts], UNKNOWN), 0.5);
         near(Counts::accuracy(&[&counts, &counts], ALL), (1.0 / 3.0 + 1.0 + 0.5) / 3.0);
-        near(Counts::false_alarms(&[&counts]), 0.25);
+        near(Counts::accuracy(&[&counts], CALLED_UNKNOWN), 0.25);
         assert_eq!(Counts::accuracy(&[&Counts::of(&objects[..3], 0)], KNOWN), None);
     }
 

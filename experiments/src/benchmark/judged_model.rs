@@ -12,9 +12,9 @@ use underbrush_classifier::{OnlineClassifier, OnlineError, OnlineOptions};
 use underbrush_recording::disk::file_blake3;
 use underbrush_recording::{Category, Fault, Frame, InputError, Recording, SkinLayout};
 
-use super::counts::FrameCounts;
+use super::counts::{Counts, FrameCounts};
 use super::frozen::{FLIPPER, FOREARM, THRESHOLD_N};
-use super::objects::{Class, JudgedObject, ObjectLog, Standing};
+use super::objects::{Class, END, JudgedObject, ObjectLog, Standing};
 
 /// A model that is judged.
 pub struct JudgedModel {
@@ -36,6 +36,13 @@ pub(super) struct JudgedReach {
     pub(super) frames: FrameCounts,
 }
 
+impl JudgedReach {
+    /// The verdicts on the objects that touch the forearm, at their end.
+    pub(super) fn at_end(&self) -> Counts {
+        Counts::of(self.objects[0].as_deref().unwrap_or_default(), END)
+    }
+}
+
 impl JudgedModel {
     /// Reads a model file of any kind.
     ///
@@ -47,8 +54,7 @@ impl JudgedModel {
         let (classifier, model) = match model {
             AnyModel::Touch(model) => {
                 if let Some(patch) = model.options().patch.as_deref().filter(|patch| *patch != FOREARM) {
-                    let remedy = "fit it to that patch";
-                    return Err(InputError::new(path, "options.patch", patch, FOREARM, remedy).into());
+                    return Err(InputError::new(path, "options.patch", patch, FOREARM, "fit it to that patch").into());
                 }
                 ("touch", OnlineModel::Touch(Arc::from(model)))
             }

@@ -27,7 +27,6 @@ use crate::dataset::{Campaign, PROGRAM_VERSION};
 use crate::verdict_controller::{TRUTH, VerdictControl};
 use crate::{Progress, files};
 use counts::{Counts, FittedNothing, FrameCounts};
-use objects::END;
 
 pub use crate::resampled::{Estimate, Halves, Ranking};
 pub use judged_model::JudgedModel;
@@ -124,8 +123,7 @@ impl Entry {
             Entry::Transfer(model) => {
                 for (half, seed) in frozen::halves(self.track(), frozen::TRANSFER_SEED, &model.blake3, &model.blake3) {
                     for (name, scene) in frozen::SETTINGS {
-                        let name = format!("transfer-{half}-{name}");
-                        sets.push(set(name, &[scene], frozen::TRANSFER_REACHES, seed)?);
+                        sets.push(set(format!("transfer-{half}-{name}"), &[scene], frozen::TRANSFER_REACHES, seed)?);
                     }
                 }
             }
@@ -223,12 +221,7 @@ impl Entry {
                 Figures::Verdicts(Halves { ranking, public, audit })
             }
             Entry::Transfer(model) => {
-                let of_set = |set| {
-                    let at_end = |(_, reach): &(String, judged_model::JudgedReach)| {
-                        Counts::of(reach.objects[0].as_deref().unwrap_or_default(), END)
-                    };
-                    Ok(judged(set, model)?.iter().map(at_end).collect())
-                };
+                let of_set = |set| Ok(judged(set, model)?.iter().map(|(_, reach)| reach.at_end()).collect());
                 let settings = sets.iter().map(of_set).collect::<Result<Vec<Vec<Counts>>, Fault>>()?;
                 let (public, audit) = settings.split_at(frozen::SETTINGS.len());
                 let ranking = transfer::ranking([public, audit]);

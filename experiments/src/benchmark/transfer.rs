@@ -66,8 +66,7 @@ pub(super) fn ranking(halves: [&[Vec<Counts>]; 2]) -> Ranking {
     // Two groups: the settings with the same clutter, and the one with another arm. Each reach has its counts by setting.
     let groups = halves.map(|settings| {
         [true, false].map(|is_paired| {
-            let named = settings.iter().zip(SETTINGS).skip(1);
-            let own = named.filter(|(_, (name, _))| (*name != OTHER_ARM) == is_paired);
+            let own = settings.iter().zip(SETTINGS).skip(1).filter(|(_, (name, _))| (*name != OTHER_ARM) == is_paired);
             let own: Vec<&Vec<Counts>> = own.map(|(counts, _)| counts).collect();
             let reaches = own.first().map_or(0, |counts| counts.len());
             (0..reaches).map(|reach| own.iter().map(|counts| counts[reach]).collect()).collect::<Vec<Vec<Counts>>>()

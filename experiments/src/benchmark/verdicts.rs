@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use underbrush_recording::distinct;
 
-use super::counts::{ALL, Counts, FittedNothing, FrameCounts, KNOWN, UNKNOWN};
+use super::counts::{ALL, CALLED_UNKNOWN, Counts, FittedNothing, FrameCounts, KNOWN, UNKNOWN};
 use super::judged_model::JudgedReach;
 use super::objects::{END, JUDGED_MOMENTS, JudgedObject, MOMENTS};
 use crate::resampled::{Estimate, Ranking};
@@ -85,7 +85,7 @@ fn of_objects(reaches: &[(String, Vec<JudgedObject>)]) -> ObjectFigures {
             leaf_trunk_or_unknown: Estimate::of(&counts, |own| Counts::accuracy(own, ALL)),
             leaf_or_trunk: Estimate::of(&counts, |own| Counts::accuracy(own, KNOWN)),
             unknown_found: Estimate::of(&counts, |own| Counts::accuracy(own, UNKNOWN)),
-            known_called_unknown: Estimate::of(&counts, Counts::false_alarms),
+            known_called_unknown: Estimate::of(&counts, |own| Counts::accuracy(own, CALLED_UNKNOWN)),
         }
     };
     let scenes = distinct(reaches.iter().map(|(scene, _)| scene));
@@ -105,9 +105,6 @@ fn of_objects(reaches: &[(String, Vec<JudgedObject>)]) -> ObjectFigures {
 
 /// The ranking by the balanced accuracy of leaves, trunks and unknown objects at the forearm, at their end.
 pub(super) fn ranking(halves: [&[(String, JudgedReach)]; 2]) -> Ranking {
-    let counts = halves.map(|half| {
-        let objects = half.iter().map(|(_, reach)| reach.objects[0].as_deref().unwrap_or_default());
-        [objects.map(|own| Counts::of(own, END)).collect::<Vec<_>>()]
-    });
+    let counts = halves.map(|half| [half.iter().map(|(_, reach)| reach.at_end()).collect::<Vec<_>>()]);
     Ranking::of([&counts[0], &counts[1]], |groups| Counts::accuracy(&groups[0], ALL))
 }

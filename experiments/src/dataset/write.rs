@@ -66,8 +66,7 @@ impl Campaign {
         let own = jobs.iter().enumerate().filter(|(position, _)| part.holds(*position as u64));
         let own: Vec<Job> = own.map(|(_, job)| *job).collect();
         if own.is_empty() {
-            let text = format!("part {part} has no reach; ask for at least one reach in each part");
-            return Err(Fault::Usage(text));
+            return Err(Fault::Usage(format!("part {part} has no reach; ask for at least one reach in each part")));
         }
         prepare(&plans, &own, progress)?;
         let plan = self.plan(&plans, &jobs)?;

@@ -13,11 +13,9 @@ use crate::files::Source;
 
 /// Checks the rules that the types of the keys do not express.
 pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
-    let reaches = |name: &str, count: Option<u64>, first: u64, why: &str| match count
-        .filter(|count| !(first..=1_000_000).contains(count))
-    {
-        Some(count) => Err(source.fault(name, &count.to_string(), format!("{first} to 1000000{why}"))),
-        None => Ok(()),
+    let reaches = |name: &str, count: Option<u64>, first: u64, why: &str| {
+        let Some(count) = count.filter(|count| !(first..=1_000_000).contains(count)) else { return Ok(()) };
+        Err(source.fault(name, &count.to_string(), format!("{first} to 1000000{why}")))
     };
     let labels: BTreeSet<&str> = file.training.iter().map(|own| own.label.as_str()).collect();
     let found = labels.first().copied().unwrap_or("no training scenes");
@@ -67,8 +65,7 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
     let is_enough = min_samples >= file.states.iter().copied().max().unwrap_or(1);
     let allowed = "at least the largest of `states`: a model's start takes a sample for each state";
     source.check(is_enough, "trials.min_samples", &min_samples.to_string(), allowed)?;
-    let mut tested = file.engineered.iter().map(|own| own.label.as_str());
-    let unknown = tested.find(|label| !labels.contains(label));
+    let unknown = file.engineered.iter().map(|own| own.label.as_str()).find(|label| !labels.contains(label));
     source.check(unknown.is_none(), "engineered.label", unknown.unwrap_or_default(), "a label of the training scenes")
 }
 
@@ -85,13 +82,10 @@ fn check_published(published: &Published, source: &Source) -> Result<(), InputEr
         }
     }
     let names = crate::for_each_experiment!(names);
-    match published.sections.keys().find(|name| !names.contains(&name.as_str())) {
-        Some(name) => {
-            let field = source.field(&format!("published.sections.{name}"), "");
-            Err(field.fault(name, format!("the name of a section: {}", names.join(", "))))
-        }
-        None => Ok(()),
-    }
+    let unknown = published.sections.keys().find(|name| !names.contains(&name.as_str()));
+    let Some(name) = unknown else { return Ok(()) };
+    let field = source.field(&format!("published.sections.{name}"), "");
+    Err(field.fault(name, format!("the name of a section: {}", names.join(", "))))
 }
 
 /// Checks that nothing that names a row or a column of a table is in the file twice.
@@ -99,15 +93,13 @@ fn check_names(file: &ExperimentFile, source: &Source) -> Result<(), InputError>
     let of_entries =
         |entries: &[ClassifierEntry]| -> Vec<String> { entries.iter().map(|entry| entry.name.clone()).collect() };
     let recipes = file.recipes.iter().map(|recipe| recipe.name().to_owned());
+    let ablation = file.ablation.iter().map(|own| serde_json::json!(own).as_str().unwrap_or_default().to_owned());
     let training = file.training.iter().map(|own| own.scene.clone());
     let names: [(&str, Vec<String>); 8] = [
         // The same reaches would be in several folds.
         ("training.scene", training.collect()),
         ("truncations", file.truncations.iter().map(usize::to_string).collect()),
-        (
-            "ablation",
-            file.ablation.iter().map(|own| serde_json::json!(own).as_str().unwrap_or_default().to_owned()).collect(),
-        ),
+        ("ablation", ablation.collect()),
         ("states", file.states.iter().map(usize::to_string).collect()),
         ("recipes", recipes.collect()),
         ("classifiers.name", of_entries(&file.classifiers)),
@@ -132,13 +124,10 @@ pub fn check_labels(
 ) -> Result<(), InputError> {
     let is_tested = [&file.general, &file.outlier, &file.second_outlier].iter().any(|own| own.is_some());
     let online = !file.engineered.is_empty() || is_tested || file.verdicts.is_some();
-    let labels = file.training.iter().map(|own| &own.label);
-    let unknown = |label: &&String| online && category(scenes, label).is_none();
-    if let Some(label) = labels.into_iter().find(unknown) {
-        let allowed = "the category of an object: verdicts are held against what presses on each taxel";
-        return Err(source.fault("training.label", label, allowed));
-    }
-    Ok(())
+    let mut labels = file.training.iter().map(|own| own.label.as_str());
+    let unknown = labels.find(|label| online && category(scenes, label).is_none());
+    let allowed = "the category of an object: verdicts are held against what presses on each taxel";
+    source.check(unknown.is_none(), "training.label", unknown.unwrap_or_default(), allowed)
 }
 
 /// Checks that the skin of every arm has the patch, if the file names one.
@@ -149,13 +138,9 @@ pub fn check_patch<'a>(
 ) -> Result<(), InputError> {
     let Some(patch) = file.trials.patch.as_deref() else { return Ok(()) };
     let without = |arm: &&Arm| arm.skin.layout.patch_index(patch).is_none();
-    if let Some(arm) = arms.into_iter().find(without) {
-        let patches = arm.skin.layout.patches.iter();
-        let names: Vec<&str> = patches.map(|patch| patch.name.as_str()).collect();
-        let allowed = format!("a patch of the skin of {}: {}", arm.name, names.join(", "));
-        return Err(source.fault("trials.patch", patch, allowed));
-    }
-    Ok(())
+    let Some(arm) = arms.into_iter().find(without) else { return Ok(()) };
+    let names: Vec<&str> = arm.skin.layout.patches.iter().map(|patch| patch.name.as_str()).collect();
+    Err(source.fault("trials.patch", patch, format!("a patch of the skin of {}: {}", arm.name, names.join(", "))))
 }
 
 /// The category with this name: a built-in one, or the category of an object in the scenes.
@@ -206,10 +191,9 @@ fn check_limits(file: &ExperimentFile, source: &Source) -> Result<(), InputError
             }
         }
     }
-    if let (Some(setting), true) = (file.settings.first(), file.setting_classifiers.is_empty()) {
-        let allowed =
-            "settings with [[setting_classifiers]], which are trained and tested at each; without these, no settings";
-        return Err(source.fault("settings.name", &setting.name, allowed));
-    }
-    Ok(())
+    let unused = file.settings.first().filter(|_| file.setting_classifiers.is_empty());
+    let Some(setting) = unused else { return Ok(()) };
+    let allowed =
+        "settings with [[setting_classifiers]], which are trained and tested at each; without these, no settings";
+    Err(source.fault("settings.name", &setting.name, allowed))
 }

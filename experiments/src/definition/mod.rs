@@ -150,8 +150,7 @@ impl Experiment {
     /// # Errors
     /// If the file does not name it.
     pub fn scene(&self, name: &str) -> Result<&Scene, Fault> {
-        let missing = || Fault::Usage(format!("{name}: the experiment has no such scene"));
-        self.scenes.get(name).ok_or_else(missing)
+        self.scenes.get(name).ok_or_else(|| Fault::Usage(format!("{name}: the experiment has no such scene")))
     }
 
     /// The category with the name `label`, if it is the category of an object.

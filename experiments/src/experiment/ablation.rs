@@ -132,28 +132,26 @@ pub fn run(session: &Session) -> Result<AblationResults, Fault> {
     let (data, as_is) = (session.once(training::run)?, session.once(table_one::run)?);
     let counted = session.once(training_data::run)?;
     let reaches = training::reaches(experiment);
-    let ablation = session.stage("Ablation", || {
-        session.kept("ablation", session.seed, || {
-            let trials_per_reach = counted.trials_per_reach.clone();
-            let mut rows = vec![Ablated::new(experiment, AS_IS, as_is.table_1.clone(), trials_per_reach)];
-            for name in &experiment.file.ablation {
-                let trials = match change(*name) {
-                    Change::Cut(options) => {
-                        Trials::of_dataset(session, &data.dataset, &options(experiment.trial_options()))?
-                    }
-                    Change::Scene(change) => {
-                        let campaign = training::campaign(experiment, session.seed, &reaches, change)?;
-                        Trials::of_campaign(experiment, &campaign, session.progress)?
-                    }
-                };
-                let recipe = experiment.main_recipe_name();
-                let cells = table_one::evaluate(experiment, &trials, &[recipe])?;
-                let trials_per_reach = training_data::per_reach(experiment, &trials);
-                let cells = cells.into_iter().map(|(cell, _)| cell);
-                rows.push(Ablated::new(experiment, described(*name).0, cells, trials_per_reach));
-            }
-            Ok(rows)
-        })
-    })?;
+    let rows = || {
+        let trials_per_reach = counted.trials_per_reach.clone();
+        let mut rows = vec![Ablated::new(experiment, AS_IS, as_is.table_1.clone(), trials_per_reach)];
+        for name in &experiment.file.ablation {
+            let trials = match change(*name) {
+                Change::Cut(options) => {
+                    Trials::of_dataset(session, &data.dataset, &options(experiment.trial_options()))?
+                }
+                Change::Scene(change) => {
+                    let campaign = training::campaign(experiment, session.seed, &reaches, change)?;
+                    Trials::of_campaign(experiment, &campaign, session.progress)?
+                }
+            };
+            let cells = table_one::evaluate(experiment, &trials, &[experiment.main_recipe_name()])?;
+            let cells = cells.into_iter().map(|(cell, _)| cell);
+            let trials_per_reach = training_data::per_reach(experiment, &trials);
+            rows.push(Ablated::new(experiment, described(*name).0, cells, trials_per_reach));
+        }
+        Ok(rows)
+    };
+    let ablation = session.stage("Ablation", || session.kept("ablation", session.seed, rows))?;
     Ok(AblationResults { ablation })
 }

@@ -109,8 +109,7 @@ pub fn run_one(session: &Session, seed: u64) -> Result<(), Fault> {
 /// The campaign of a seed.
 fn measure(session: &Session, seed: u64) -> Result<OneOfMany, Fault> {
     let experiment = session.experiment;
-    let reaches = training::reaches(experiment);
-    let campaign = training::campaign(experiment, seed, &reaches, |_| {})?;
+    let campaign = training::campaign(experiment, seed, &training::reaches(experiment), |_| {})?;
     let trials = Trials::of_campaign(experiment, &campaign, session.progress)?;
     trials.check_labels(experiment)?;
     let cells = table_one::evaluate(experiment, &trials, &experiment.file.recipes)?;

@@ -2,12 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Fault;
-use underbrush_sim::campaign::Job;
 use underbrush_sim::scene::ProgressRule;
 use underbrush_sim::{ControllerKind, ReachPlan};
 
 use crate::benchmark::{Estimate, Reach};
-use crate::dataset::each_reach;
+use crate::dataset::{each_reach, jobs_from};
 use crate::{Session, VerdictControl};
 
 /// The reaches have indices from here on, so that none of them is among the test reaches or those that train verdicts.
@@ -51,26 +50,24 @@ pub fn run(session: &Session) -> Result<ComparedControllers, Fault> {
         scene.file.goals.progress = rule.or(scene.file.goals.progress);
         Ok(ReachPlan::with_arm(scene, session.experiment.arm.clone(), Some(kind), session.seed)?)
     };
-    session.stage("Controllers", || {
-        session.kept("controllers", session.seed, || {
-            let plans = [
-                ("cody-2013", plan(ControllerKind::Cody2013, None)?),
-                ("cody-2013, progress by the path", plan(ControllerKind::Cody2013, Some(ProgressRule::Path))?),
-                ("mapped, blind", plan(ControllerKind::Mapped, None)?),
-                ("mapped, true verdicts", VerdictControl::truth().applied_to(plan(ControllerKind::Mapped, None)?)?),
-            ];
-            let mut controllers = Vec::new();
-            for (name, plan) in plans {
-                let goals = plan.scene.file.goals.number();
-                let jobs = (0..section.reaches).map(|index| Job { plan: 0, reach_index: FIRST_INDEX + index });
-                let jobs: Vec<Job> = jobs.collect();
-                let reaches = each_reach(&[plan], &jobs, 0, session.progress, |_, own| Ok(Reach::of(goals, &own)))?;
-                controllers.push(ControllerFigures::of(name, &reaches));
-            }
-            let scene = session.experiment.scene(&section.scene)?.name.clone();
-            Ok(ComparedControllers { scene, reaches: section.reaches, controllers })
-        })
-    })
+    let compared = || {
+        let plans = [
+            ("cody-2013", plan(ControllerKind::Cody2013, None)?),
+            ("cody-2013, progress by the path", plan(ControllerKind::Cody2013, Some(ProgressRule::Path))?),
+            ("mapped, blind", plan(ControllerKind::Mapped, None)?),
+            ("mapped, true verdicts", VerdictControl::truth().applied_to(plan(ControllerKind::Mapped, None)?)?),
+        ];
+        let mut controllers = Vec::new();
+        for (name, plan) in plans {
+            let goals = plan.scene.file.goals.number();
+            let jobs = jobs_from(FIRST_INDEX, section.reaches);
+            let reaches = each_reach(&[plan], &jobs, 0, session.progress, |_, own| Ok(Reach::of(goals, &own)))?;
+            controllers.push(ControllerFigures::of(name, &reaches));
+        }
+        let scene = session.experiment.scene(&section.scene)?.name.clone();
+        Ok(ComparedControllers { scene, reaches: section.reaches, controllers })
+    };
+    session.stage("Controllers", || session.kept("controllers", session.seed, compared))
 }
 
 impl ControllerFigures {

@@ -66,8 +66,7 @@ fn peak_force_n(trial: &Trial) -> f64 {
 }
 
 fn motion_m(trial: &Trial) -> f64 {
-    let motions = trial.samples.iter().filter_map(|sample| sample.motion_m);
-    motions.fold(0.0, f64::max)
+    trial.samples.iter().filter_map(|sample| sample.motion_m).fold(0.0, f64::max)
 }
 
 /// The trials of a category in which something touched the taxel.

@@ -85,17 +85,13 @@ fn take(
         verdicts = classifier.update(frame)?.map(|taxel| (taxel.taxel, taxel.verdict.clone())).collect();
     }
     let patch = recording.layout.chosen_patch(session.experiment.file.trials.patch.as_deref()).unwrap_or_default();
+    let taxels = recording.frames[chosen].taxels.iter().filter(|own| usize::from(own.patch) == patch);
+    let pressed = taxels.filter(|own| own.object.is_some());
     Ok(Some(Moment {
-        pressed: pressed(&recording.frames[chosen], patch),
+        pressed: pressed.map(|own| usize::from(own.taxel)).collect(),
         frame_index: chosen,
         patch,
         verdicts,
         recording: recording.clone(),
     }))
-}
-
-/// The taxels of a patch that an object presses on.
-fn pressed(frame: &Frame, patch: usize) -> BTreeSet<usize> {
-    let own = frame.taxels.iter().filter(|own| usize::from(own.patch) == patch);
-    own.filter(|own| own.object.is_some()).map(|own| usize::from(own.taxel)).collect()
 }

@@ -40,8 +40,8 @@ pub struct SamplesUsed {
 pub fn run(session: &Session) -> Result<AccuracyOverTime, Fault> {
     let online = session.once(frame_verdicts::run)?;
     let by_scene = online.engineered.iter().filter_map(|reach| reach.by_scene.as_ref());
-    let used = by_scene.chain(&online.general).filter_map(|reach| reach.stream.mean_samples_used());
-    let used: Vec<f64> = used.collect();
+    let reaches = by_scene.chain(&online.general);
+    let used: Vec<f64> = reaches.filter_map(|reach| reach.stream.mean_samples_used()).collect();
     let shown = online.shown();
     Ok(AccuracyOverTime {
         figure_9: SamplesUsed {

@@ -97,35 +97,30 @@ pub fn run(session: &Session) -> Result<ComparedSettings, Fault> {
         return Ok(ComparedSettings { splits: Vec::new(), verdict_transfer: Vec::new() });
     }
     let counts: Vec<u64> = experiment.file.training.iter().map(|own| own.setting_reaches()).collect();
-    session.stage("Other arms and speeds", || {
-        session.kept("splits", session.seed, || {
-            let reaches = training::reaches(experiment);
-            let mut nominal = FoldedReaches::new();
-            for (index, fold) in folds(&reaches, &counts).into_iter().enumerate() {
-                if let Some(fold) = fold {
-                    nominal.push((fold, data.dataset.read_reach(index)?));
-                }
+    let compared = || {
+        let reaches = training::reaches(experiment);
+        let used = folds(&reaches, &counts).into_iter().enumerate().filter_map(|(index, fold)| Some((index, fold?)));
+        let nominal: FoldedReaches =
+            used.map(|(index, fold)| Ok((fold, data.dataset.read_reach(index)?))).collect::<Result<_, Fault>>()?;
+        let mut verdict_transfer = Vec::new();
+        let mut settings = vec![Folded::new(Setting::NOMINAL, &data.trials.taxel, &reaches, &counts)];
+        for setting in &experiment.file.settings {
+            let campaign = training::campaign(experiment, session.seed, &counts, |scene| scene.robot = setting.robot)?;
+            // They need about 10 MB per minute of simulated time.
+            let recordings = campaign.each(session.progress, Ok)?;
+            let trials = Trials::of_recordings(experiment, &counts, &recordings)?;
+            settings.push(Folded::new(&setting.name, &trials.taxel, &counts, &counts));
+            if experiment.file.verdicts.is_some() {
+                let here = folds(&counts, &counts).into_iter().zip(recordings);
+                let here = here.filter_map(|(fold, own)| Some((fold?, own))).collect();
+                let options = experiment.touch_options();
+                verdict_transfer.push(VerdictTransfer::of(&setting.name, &options, &here, &nominal)?);
             }
-            let mut verdict_transfer = Vec::new();
-            let mut settings = vec![Folded::new(Setting::NOMINAL, &data.trials.taxel, &reaches, &counts)];
-            for setting in &experiment.file.settings {
-                let campaign =
-                    training::campaign(experiment, session.seed, &counts, |scene| scene.robot = setting.robot)?;
-                // They need about 10 MB per minute of simulated time.
-                let recordings = campaign.each(session.progress, Ok)?;
-                let trials = Trials::of_recordings(experiment, &counts, &recordings)?;
-                settings.push(Folded::new(&setting.name, &trials.taxel, &counts, &counts));
-                if experiment.file.verdicts.is_some() {
-                    let here = folds(&counts, &counts).into_iter().zip(recordings);
-                    let here = here.filter_map(|(fold, own)| Some((fold?, own))).collect();
-                    let options = experiment.touch_options();
-                    verdict_transfer.push(VerdictTransfer::of(&setting.name, &options, &here, &nominal)?);
-                }
-            }
-            let splits = splits(experiment, &settings)?;
-            Ok(ComparedSettings { splits, verdict_transfer })
-        })
-    })
+        }
+        let splits = splits(experiment, &settings)?;
+        Ok(ComparedSettings { splits, verdict_transfer })
+    };
+    session.stage("Other arms and speeds", || session.kept("splits", session.seed, compared))
 }
 
 /// Checks that each half of the reaches of each setting has trials of all categories. Otherwise a classifier would be
@@ -148,8 +143,7 @@ fn check_categories(settings: &[Folded]) -> Result<(), Fault> {
 
 /// The categories of trials that classifiers are fitted to.
 fn categories(trials: &[Trial]) -> BTreeSet<&str> {
-    let categories = trials.iter().filter_map(|trial| trial.category.as_deref());
-    categories.filter(|category| is_trained(category)).collect()
+    trials.iter().filter_map(|trial| trial.category.as_deref()).filter(|category| is_trained(category)).collect()
 }
 
 /// Trains every classifier at every setting on one half of the reaches and tests it at every setting on the other half.
@@ -216,9 +210,7 @@ fn judged(
     tested: &FoldedReaches,
 ) -> Result<(usize, Option<f64>), Fault> {
     let mut examples = TouchExamples::new(options.clone());
-    for (_, recording) in fitted {
-        examples.add(recording)?;
-    }
+    fitted.iter().try_for_each(|(_, recording)| examples.add(recording))?;
     let (mut evaluation, categories) = (TouchEvaluation::default(), examples.categories());
     for fold in 0..2 {
         let model = match examples.some(|index| fitted[index].0 != fold).fit(None) {

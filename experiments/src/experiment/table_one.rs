@@ -70,10 +70,9 @@ pub fn evaluate(
     let case = |(name, by, trials, features, states): (RecipeName, Unit, &Vec<Trial>, FeatureSet, usize)| {
         let recipe = Recipe { states, features, ..name.recipe() };
         let evaluation = cross_validate(trials, &recipe, Folds::paper(), &Decision::argmax())?;
-        let published = experiment.published();
         let cell = Cell {
             figures: Accuracy::of(&evaluation),
-            paper: published.and_then(|own| own.accuracy_percent(by, features, states)),
+            paper: experiment.published().and_then(|own| own.accuracy_percent(by, features, states)),
             key: CellKey { by, features, states, recipe: name.name().into() },
         };
         Ok((cell, evaluation))

@@ -84,6 +84,5 @@ pub fn per_reach(experiment: &Experiment, trials: &Trials) -> Vec<TrialsPerReach
     };
     let units = [(Unit::Component, &trials.component), (Unit::Taxel, &trials.taxel)];
     let labels = experiment.labels();
-    let rows = units.iter().flat_map(|(by, trials)| labels.iter().map(|label| row(*by, trials, label)));
-    rows.collect()
+    units.iter().flat_map(|(by, trials)| labels.iter().map(|label| row(*by, trials, label))).collect()
 }

@@ -45,10 +45,10 @@ pub fn run(session: &Session) -> Result<TruncatedAccuracy, Fault> {
     });
     let cases: Vec<(usize, usize)> =
         file.truncations.iter().flat_map(|length| states.iter().map(move |states| (*states, *length))).collect();
-    let taxel_trials = &data.trials.taxel;
+    let trials = &data.trials.taxel;
     let case = |(states, length)| {
         let recipe = Recipe { states, max_samples: Some(length), ..base.clone() };
-        let evaluation = cross_validate(taxel_trials, &recipe, Folds::paper(), &Decision::argmax())?;
+        let evaluation = cross_validate(trials, &recipe, Folds::paper(), &Decision::argmax())?;
         Ok(Truncated { states, max_samples: Some(length), accuracy: Accuracy::of(&evaluation) })
     };
     session.stage("Truncated trials", || {

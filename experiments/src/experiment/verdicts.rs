@@ -7,9 +7,8 @@ use underbrush_classifier::evaluate::touch::{TouchEvaluation, TouchTally};
 use underbrush_classifier::evaluate::{Accuracy, EvaluateError, TouchFigures, UnknownFigures};
 use underbrush_classifier::touch::TouchExamples;
 use underbrush_recording::{Fault, Recording};
-use underbrush_sim::campaign::Job;
 
-use crate::dataset::each_reach;
+use crate::dataset::{each_reach, jobs_from};
 use crate::definition::VerdictSection;
 use crate::reaches::{self, Found};
 use crate::{Session, in_parallel, training};
@@ -92,16 +91,12 @@ pub fn run(session: &Session) -> Result<VerdictFigures, Fault> {
     let tests = session.once(reaches::run)?;
     session.stage("Verdicts", || {
         let mut examples = TouchExamples::new(session.experiment.touch_options());
-        for recording in &recordings {
-            examples.add(recording)?;
-        }
+        recordings.iter().try_for_each(|recording| examples.add(recording))?;
         let mut all = TouchEvaluation::default();
         let folds = in_parallel(0..FOLDS, |fold| held_out(&examples, &recordings, fold))?;
         folds.into_iter().for_each(|fold| all.add(fold));
         for scene in &section.auxiliary {
-            for recording in &drawn(session, section, scene)? {
-                examples.add_auxiliary(recording)?;
-            }
+            drawn(session, section, scene)?.iter().try_for_each(|recording| examples.add_auxiliary(recording))?;
         }
         let model = Arc::new(examples.fit(None)?);
         let judge = |found: &Found| -> Result<_, Fault> {
@@ -143,9 +138,8 @@ pub fn run(session: &Session) -> Result<VerdictFigures, Fault> {
 /// The reaches of the training scenes, and those of the mixed scene.
 fn recordings(session: &Session, section: &VerdictSection) -> Result<Vec<Recording>, Fault> {
     let data = session.once(training::run)?;
-    let dataset = &data.dataset;
-    let mut recordings: Vec<Recording> =
-        (0..dataset.episodes().len()).map(|index| dataset.read_reach(index)).collect::<Result<_, _>>()?;
+    let reaches = 0..data.dataset.episodes().len();
+    let mut recordings = reaches.map(|index| data.dataset.read_reach(index)).collect::<Result<Vec<Recording>, _>>()?;
     session.stage("Mixed training reaches", || {
         recordings.extend(drawn(session, section, &section.scene)?);
         Ok(recordings)
@@ -155,9 +149,7 @@ fn recordings(session: &Session, section: &VerdictSection) -> Result<Vec<Recordi
 /// Reaches of a scene, as many as the section asks for.
 fn drawn(session: &Session, section: &VerdictSection, scene: &str) -> Result<Vec<Recording>, Fault> {
     let plan = reaches::plan(session.experiment, scene, session.seed)?;
-    let jobs = (0..section.reaches).map(|index| Job { plan: 0, reach_index: FIRST_INDEX + index });
-    let jobs: Vec<Job> = jobs.collect();
-    each_reach(&[plan], &jobs, 0, session.progress, |_, own| Ok(own))
+    each_reach(&[plan], &jobs_from(FIRST_INDEX, section.reaches), 0, session.progress, |_, own| Ok(own))
 }
 
 /// Judges every `FOLDS`-th recording by networks fitted to the others, which must have all categories: verdicts of models

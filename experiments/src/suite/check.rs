@@ -60,11 +60,9 @@ pub fn bounds(
             let allowed = "a bound on this verdict only with a touch model, which alone gives it";
             return Err(field.fault("a suite with a classifier of trials", allowed));
         }
-        match entry.get_ref() {
-            Entry::Bound(bound) if !metric.by_category => {
-                found.push(checked(metric, None, *bound, entry.span(), source)?);
-            }
-            Entry::ByCategory(categories) if metric.by_category => {
+        match (entry.get_ref(), metric.by_category) {
+            (Entry::Bound(bound), false) => found.push(checked(metric, None, *bound, entry.span(), source)?),
+            (Entry::ByCategory(categories), true) => {
                 for (name, bound) in categories {
                     let category = scene.categories().get(name.as_str()).copied().ok_or_else(|| {
                         let field = source.field_at(&format!("bounds.{}", metric.name), bound.span().start);
@@ -74,11 +72,11 @@ pub fn bounds(
                     found.push(checked(metric, Some(category), *bound.get_ref(), bound.span(), source)?);
                 }
             }
-            Entry::Bound(_) => {
+            (Entry::Bound(_), true) => {
                 let allowed = format!("a bound for each category, such as {}.leaf = {{ at_most = 1.0 }}", metric.name);
                 return Err(field.fault("a bound without a category", allowed));
             }
-            Entry::ByCategory(_) => {
+            (Entry::ByCategory(_), false) => {
                 let allowed = format!("one bound, such as {} = {{ at_most = 1.0 }}", metric.name);
                 return Err(field.fault("bounds for categories", allowed));
             }

@@ -122,9 +122,8 @@ fn check_places(suite: &Suite, path: &Path) -> Result<(), InputError> {
         if !written.starts_with('{') {
             let source = Source { path, text };
             let field = source.field_at(&format!("bounds.{}", own.name()), own.span.start);
-            let found = format!("`{written}`, a dotted key or a table header");
             let allowed = "a bound in braces, on one line, such as goals_reached = { at_least = 0.7 }";
-            return Err(field.fault(found, allowed));
+            return Err(field.fault(format!("`{written}`, a dotted key or a table header"), allowed));
         }
     }
     Ok(())
@@ -143,11 +142,9 @@ pub(super) fn blessed_text(suite: &Suite, result: &SuiteResult) -> Result<String
         let scenes = suite.scenes.iter().zip(&result.scenes);
         scenes.flat_map(|(scene, found)| scene.bounds.iter().zip(&found.bounds).map(move |pair| (scene, pair)))
     };
-    let sides: usize = all()
-        .filter(|(_, (own, _))| own.metric.statistic != Statistic::Largest)
-        .map(|(_, (own, _))| usize::from(bounded_below(own)) + usize::from(bounded_above(own)))
-        .sum();
-    let probability = suite.file.bless.false_alarm / sides.max(1) as f64;
+    let derived = all().map(|(_, (own, _))| own).filter(|own| own.metric.statistic != Statistic::Largest);
+    let count = derived.flat_map(sides).filter(|is_bounded| *is_bounded).count();
+    let probability = suite.file.bless.false_alarm / count.max(1) as f64;
     let mut changes = Vec::new();
     for (scene, (own, found)) in all() {
         let bound = new_bound(suite, own, found, probability).ok_or_else(|| {
@@ -170,16 +167,12 @@ pub(super) fn blessed_text(suite: &Suite, result: &SuiteResult) -> Result<String
     Ok(text)
 }
 
-fn is_new(own: &SceneBound) -> bool {
-    own.bound.at_least.is_none() && own.bound.at_most.is_none()
-}
-
-fn bounded_below(own: &SceneBound) -> bool {
-    own.bound.at_least.is_some() || (is_new(own) && own.metric.sides != Sides::AtMost)
-}
-
-fn bounded_above(own: &SceneBound) -> bool {
-    own.bound.at_most.is_some() || (is_new(own) && own.metric.sides != Sides::AtLeast)
+/// Whether it is bounded below, and whether above.
+fn sides(own: &SceneBound) -> [bool; 2] {
+    match own.bound {
+        bound if bound.is_given() => [bound.at_least.is_some(), bound.at_most.is_some()],
+        _ => [own.metric.sides != Sides::AtMost, own.metric.sides != Sides::AtLeast],
+    }
 }
 
 fn new_bound(suite: &Suite, own: &SceneBound, result: &BoundResult, probability: f64) -> Option<Bound> {
@@ -199,10 +192,11 @@ fn new_bound(suite: &Suite, own: &SceneBound, result: &BoundResult, probability:
     // A limit does not depend on what was found. If the file has another limit, somebody chose it on purpose.
     let limit = own.metric.limit.map(|limit| own.bound.at_most.unwrap_or(limit));
     let high = limit.unwrap_or((found + margin).min(end));
+    let [below, above] = sides(own);
     Some(Bound {
         // No metric is negative.
-        at_least: bounded_below(own).then(|| rounded(found - margin, f64::floor).max(0.0)),
-        at_most: bounded_above(own).then(|| rounded(high, f64::ceil).min(end)),
+        at_least: below.then(|| rounded(found - margin, f64::floor).max(0.0)),
+        at_most: above.then(|| rounded(high, f64::ceil).min(end)),
         blessed: Some(rounded(found, f64::round)),
     })
 }

@@ -7,8 +7,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::Deserialize;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use toml::Spanned;
 use underbrush_classifier::any_model::{self, AnyModel, OnlineModel};
@@ -120,7 +120,7 @@ pub struct SceneEntry {
 
 /// Bounds of one number: `{ at_least = 0.7, at_most = 0.9, blessed = 0.8 }`. If both `at_least` and `at_most` are
 /// missing, the next `--bless` sets them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a bound, with keys among at_least, at_most and blessed")]
 pub struct Bound {
     /// Smallest value that is allowed.
@@ -129,6 +129,13 @@ pub struct Bound {
     pub at_most: Option<f64>,
     /// The value from which `--bless` computed the bounds. It does not decide anything.
     pub blessed: Option<f64>,
+}
+
+impl Bound {
+    /// Whether it bounds the number on any side.
+    pub(super) fn is_given(&self) -> bool {
+        self.at_least.is_some() || self.at_most.is_some()
+    }
 }
 
 /// The bounds of one scene, by metric.

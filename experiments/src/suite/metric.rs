@@ -87,6 +87,8 @@ const PLAIN: Metric = Metric {
     limit: None,
     of_reach: |_, _| None,
 };
+const LARGEST: Metric = Metric { statistic: Statistic::Largest, sides: Sides::AtMost, ..PLAIN };
+const COUNTED_SHARE: Metric = Metric { statistic: Statistic::Share, counts: true, sides: Sides::AtLeast, ..PLAIN };
 const FORCE: Metric = Metric { by_category: true, ..PLAIN };
 const VERDICT: Metric =
     Metric { by_category: true, needs_model: true, statistic: Statistic::Share, sides: Sides::AtMost, ..PLAIN };
@@ -105,38 +107,29 @@ pub const METRICS: [Metric; 18] = [
     Metric {
         name: "audit",
         summary: "Largest error of the physics, each relative to the simulator's own bound for it",
-        statistic: Statistic::Largest,
-        sides: Sides::AtMost,
         limit: Some(1.0),
         of_reach: |reach, _| Some(audit_share(reach.recording)),
-        ..PLAIN
+        ..LARGEST
     },
     Metric {
         name: "overlap_without_patch_m",
         summary: "Largest overlap of two shapes, m, that should press on each other but for which no contact was found",
-        statistic: Statistic::Largest,
-        sides: Sides::AtMost,
         limit: Some(0.0),
         of_reach: |reach, _| Some(reach.recording.audit.overlap_without_patch_m),
-        ..PLAIN
+        ..LARGEST
     },
     Metric {
         name: "goals_reached",
         summary: "Share of the scene's goals that were reached",
-        statistic: Statistic::Share,
-        counts: true,
-        sides: Sides::AtLeast,
         of_reach: |reach, _| Some(reach.recording.goal_outcomes().reached as f64 / f64::from(reach.goals.max(1))),
-        ..PLAIN
+        ..COUNTED_SHARE
     },
     Metric {
         name: "touched",
         summary: "1 if the arm touches such an object at all, else 0",
-        statistic: Statistic::Share,
-        counts: true,
-        sides: Sides::AtLeast,
+        by_category: true,
         of_reach: |reach, category| Some(f64::from(reach.recording.contact_forces(category).contacts.min(1) as u8)),
-        ..FORCE
+        ..COUNTED_SHARE
     },
     Metric {
         name: "mean_force_n",
@@ -153,10 +146,9 @@ pub const METRICS: [Metric; 18] = [
     Metric {
         name: "largest_force_n",
         summary: "The same, and the largest of all reaches counts instead of their mean",
-        statistic: Statistic::Largest,
-        sides: Sides::AtMost,
+        by_category: true,
         of_reach: |reach, category| force(reach, category, |forces| forces.peak_n),
-        ..FORCE
+        ..LARGEST
     },
     Metric {
         name: "taxel_force_n",
@@ -246,8 +238,7 @@ impl Metric {
 fn audit_share(recording: &Recording) -> f64 {
     // A figure with a bound of 0 is a metric of its own.
     let bounds = audit::bounds(&recording.layout).filter(|bound| bound.max > 0.0);
-    let shares = bounds.map(|bound| (bound.field.get)(&recording.audit) / bound.max);
-    shares.fold(0.0, f64::max)
+    bounds.map(|bound| (bound.field.get)(&recording.audit) / bound.max).fold(0.0, f64::max)
 }
 
 fn force(reach: &Measured, category: Option<Category>, value: fn(&ContactForces) -> f64) -> Option<f64> {
@@ -271,8 +262,7 @@ fn share(reach: &Measured, category: Option<Category>, part: fn(&Tally) -> usize
 /// The share of the taxels in contact with a category that have this verdict.
 fn share_called(reach: &Measured, category: Category, verdict: &str) -> Option<f64> {
     let stream = reach.stream?;
-    let row = stream.truths.iter().position(|truth| *truth == category)?;
-    share_of_row(stream, row, verdict)
+    share_of_row(stream, stream.truths.iter().position(|truth| *truth == category)?, verdict)
 }
 
 fn objects_called_unknown(reach: &Measured, category: Option<Category>) -> Option<f64> {
@@ -300,8 +290,7 @@ fn first_right(reach: &Measured, category: Option<Category>) -> Option<Vec<Optio
 }
 
 fn samples_to_right(reach: &Measured, category: Option<Category>) -> Option<f64> {
-    let samples = first_right(reach, category)?.into_iter().flatten().map(|samples| samples as f64);
-    median(samples.collect())
+    median(first_right(reach, category)?.into_iter().flatten().map(|samples| samples as f64).collect())
 }
 
 fn never_right(reach: &Measured, category: Option<Category>) -> Option<f64> {
@@ -312,7 +301,6 @@ fn never_right(reach: &Measured, category: Option<Category>) -> Option<f64> {
 
 fn taxels_per_frame(reach: &Measured, _: Option<Category>) -> Option<f64> {
     let frames = reach.stream?.frames.iter().map(|frame| frame.in_contact);
-    let (taxels, frames) =
-        frames.filter(|taxels| *taxels > 0).fold((0, 0), |(sum, count), taxels| (sum + taxels, count + 1));
-    (frames > 0).then(|| taxels as f64 / f64::from(frames))
+    let taxels: Vec<usize> = frames.filter(|taxels| *taxels > 0).collect();
+    (!taxels.is_empty()).then(|| taxels.iter().sum::<usize>() as f64 / taxels.len() as f64)
 }

@@ -10,7 +10,7 @@ use underbrush_sim::ReachPlan;
 use underbrush_sim::campaign::Job;
 
 use super::metric::{Measured, Statistic};
-use super::{SceneBound, Suite, SuiteScene};
+use super::{Bound, SceneBound, Suite, SuiteScene};
 use crate::accuracy::Spread;
 use crate::dataset::{PROGRAM_VERSION, each_reach, jobs_of, say_doubts};
 use crate::progress::Progress;
@@ -62,12 +62,9 @@ pub struct BoundResult {
     pub found: Option<f64>,
     /// Standard error of a mean over reaches.
     pub standard_error: Option<f64>,
-    /// Smallest value that is allowed.
-    pub at_least: Option<f64>,
-    /// Largest value that is allowed.
-    pub at_most: Option<f64>,
-    /// The value from which the bounds were computed.
-    pub blessed: Option<f64>,
+    /// What is allowed.
+    #[serde(flatten)]
+    pub allowed: Bound,
     /// Whether the bounds hold.
     pub verdict: BoundVerdict,
     /// If a bound is broken, the reach that lies farthest on the wrong side of it.
@@ -104,9 +101,8 @@ pub struct ReachValue {
 impl BoundResult {
     /// Whether the bounds allow every value that the metric can have, as after blessing reaches that differ too much.
     pub fn allows_everything(&self) -> bool {
-        let is_bounded = self.at_least.is_some() || self.at_most.is_some();
-        let end = self.statistic.end();
-        is_bounded && self.at_least.is_none_or(|low| low <= 0.0) && self.at_most.is_none_or(|high| high >= end)
+        let (Bound { at_least, at_most, .. }, end) = (self.allowed, self.statistic.end());
+        self.allowed.is_given() && at_least.is_none_or(|low| low <= 0.0) && at_most.is_none_or(|high| high >= end)
     }
 }
 
@@ -138,12 +134,11 @@ impl Suite {
         let jobs: Vec<Job> = jobs_of(self.scenes.iter().map(|scene| scene.reaches)).collect();
         let measured = each_reach(&plans, &jobs, 0, progress, |place, recording| {
             Ok(self.measure(&self.scenes[jobs[place].plan], &recording)?)
-        })?;
-        let of_scene = |(index, scene): (usize, &SuiteScene)| {
-            let own: Vec<_> = jobs.iter().zip(&measured).filter(|(job, _)| job.plan == index).collect();
-            result_of(scene, &own)
-        };
-        let scenes: Vec<SceneResult> = self.scenes.iter().enumerate().map(of_scene).collect();
+        });
+        let mut measured = measured?.into_iter();
+        let of_scene =
+            |scene: &SuiteScene| result_of(scene, &measured.by_ref().take(scene.reaches as usize).collect::<Vec<_>>());
+        let scenes: Vec<SceneResult> = self.scenes.iter().map(of_scene).collect();
         Ok(SuiteResult {
             suite: self.name.clone(),
             summary: self.file.summary.clone(),
@@ -167,33 +162,30 @@ impl Suite {
     }
 
     fn measure(&self, scene: &SuiteScene, recording: &Recording) -> Result<OneReach, OnlineError> {
-        let judged = self.model.as_ref().map(|model| judged(model, recording)).transpose()?;
-        let (stream, objects) = judged.unzip();
+        let (stream, objects) = self.model.as_ref().map(|model| judged(model, recording)).transpose()?.unzip();
         let goals = scene.plan.scene.file.goals.number();
         let measured = Measured { recording, goals, stream: stream.as_ref(), objects: &objects.unwrap_or_default() };
-        let values = scene.bounds.iter();
+        let value = |own: &SceneBound| (own.metric.of_reach)(&measured, own.category);
         Ok(OneReach {
             goals: recording.goal_outcomes(),
             simulated_s: recording.frames.len() as f64 / recording.rate_hz,
-            values: values.map(|own| (own.metric.of_reach)(&measured, own.category)).collect(),
+            values: scene.bounds.iter().map(value).collect(),
         })
     }
 }
 
-fn result_of(scene: &SuiteScene, reaches: &[(&Job, &OneReach)]) -> SceneResult {
+fn result_of(scene: &SuiteScene, reaches: &[OneReach]) -> SceneResult {
     let bound = |(place, own): (usize, &SceneBound)| {
-        let values = reaches
-            .iter()
-            .filter_map(|(job, reach)| Some(ReachValue { reach_index: job.reach_index, value: reach.values[place]? }));
-        held(own, values.collect())
+        let values = reaches.iter().map(|reach| reach.values[place]).zip(0..);
+        held(own, values.filter_map(|(value, reach_index)| Some(ReachValue { reach_index, value: value? })).collect())
     };
     SceneResult {
         scene: scene.plan.scene.name.clone(),
         file: scene.plan.scene.path.display().to_string(),
         controller: scene.plan.controller_name(),
         reaches: scene.reaches,
-        goals: reaches.iter().map(|(_, reach)| reach.goals).sum(),
-        simulated_s: reaches.iter().map(|(_, reach)| reach.simulated_s).sum(),
+        goals: reaches.iter().map(|reach| reach.goals).sum(),
+        simulated_s: reaches.iter().map(|reach| reach.simulated_s).sum(),
         bounds: scene.bounds.iter().enumerate().map(bound).collect(),
     }
 }
@@ -220,7 +212,7 @@ pub(super) fn held(own: &SceneBound, values: Vec<ReachValue>) -> BoundResult {
     let bound = own.bound;
     let verdict = match found {
         None => BoundVerdict::NotMeasured,
-        Some(_) if bound.at_least.is_none() && bound.at_most.is_none() => BoundVerdict::NoBound,
+        Some(_) if !bound.is_given() => BoundVerdict::NoBound,
         Some(found) if bound.at_least.is_some_and(|low| found < low) => BoundVerdict::TooSmall,
         Some(found) if bound.at_most.is_some_and(|high| found > high) => BoundVerdict::TooLarge,
         Some(_) => BoundVerdict::Holds,
@@ -236,9 +228,7 @@ pub(super) fn held(own: &SceneBound, values: Vec<ReachValue>) -> BoundResult {
         statistic: own.metric.statistic,
         found,
         standard_error: deviation.filter(|_| is_mean).map(|deviation| deviation / (numbers.len() as f64).sqrt()),
-        at_least: bound.at_least,
-        at_most: bound.at_most,
-        blessed: bound.blessed,
+        allowed: bound,
         verdict,
         look_at: look_at.copied(),
         values,

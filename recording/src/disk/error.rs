@@ -7,6 +7,9 @@ use parquet::errors::ParquetError;
 
 use crate::{Fault, InputError};
 
+/// A result whose error is a [`DiskError`], unless another is named.
+pub(crate) type Result<T, E = DiskError> = std::result::Result<T, E>;
+
 /// An error of [`crate::disk`]. The message names the file and the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum DiskError {

@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use tempfile::NamedTempFile;
 
-use super::DiskError;
 use super::unfinished::Registered;
+use super::{DiskError, Result};
 use crate::{InputError, open_regular};
 
 /// Whether there is a file or folder at a path. Unlike with [`Path::exists`], a failing disk is an error. Otherwise a
@@ -29,7 +29,7 @@ pub fn is_folder(path: &Path) -> Result<bool, DiskError> {
 }
 
 /// What the operating system knows about a path; `None` if there is nothing. Errors as for [`is_there`].
-pub(super) fn metadata(path: &Path) -> Result<Option<Metadata>, DiskError> {
+pub(super) fn metadata(path: &Path) -> Result<Option<Metadata>> {
     match fs::metadata(path) {
         Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => Ok(None),
         found => found.map(Some).map_err(DiskError::io(path, "read")),
@@ -38,7 +38,7 @@ pub(super) fn metadata(path: &Path) -> Result<Option<Metadata>, DiskError> {
 
 /// Opens a file that the user named. A missing file, or something else in its place, is bad input and not a failure of
 /// the disk.
-pub(super) fn open_input(path: &Path) -> Result<File, DiskError> {
+pub(super) fn open_input(path: &Path) -> Result<File> {
     Ok(open_regular(path, "a readable file", "check the path")?)
 }
 
@@ -73,11 +73,8 @@ pub fn check_not_input<'a>(out: &Path, inputs: impl IntoIterator<Item = &'a Path
 pub(super) const TEMPORARY_PREFIX: &str = ".underbrush-unfinished-";
 
 /// The folder of a path; the current folder for a bare file name.
-fn folder_of(path: &Path) -> PathBuf {
-    match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
-        _ => PathBuf::from("."),
-    }
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Prefix of the names of unfinished files for this output. It has a hash instead of the name, because prefix and name
@@ -98,7 +95,7 @@ pub(super) struct TemporaryFile {
 }
 
 /// Creates a temporary file beside `path`. A folder or a device such as `/dev/null` at `path` is not replaced.
-pub(super) fn begin(path: &Path) -> Result<TemporaryFile, DiskError> {
+pub(super) fn begin(path: &Path) -> Result<TemporaryFile> {
     if fs::metadata(path).is_ok_and(|there| !there.is_file()) {
         let cause = io::Error::new(io::ErrorKind::AlreadyExists, "it exists and is not a regular file");
         return Err(DiskError::io(path, "write")(cause));
@@ -111,7 +108,7 @@ pub(super) fn begin(path: &Path) -> Result<TemporaryFile, DiskError> {
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     loop {
-        let created = Registered::create(|| builder.tempfile_in(&folder), NamedTempFile::path);
+        let created = Registered::create(|| builder.tempfile_in(folder), NamedTempFile::path);
         let (file, registered) = created.map_err(DiskError::io(path, "write"))?;
         // On a file system without locks leftovers stay, but writing still works.
         let locked = file.as_file().lock().is_ok();
@@ -123,20 +120,18 @@ pub(super) fn begin(path: &Path) -> Result<TemporaryFile, DiskError> {
 }
 
 /// Syncs the temporary file and gives it its final name.
-pub(super) fn commit(temporary: TemporaryFile, path: &Path) -> Result<(), DiskError> {
+pub(super) fn commit(temporary: TemporaryFile, path: &Path) -> Result<()> {
     let file = temporary.file;
     file.as_file().sync_all().map_err(DiskError::io(path, "write"))?;
     file.persist(path).map_err(DiskError::io(path, "write"))?;
-    sync_folder(&folder_of(path))
+    sync_folder(folder_of(path))
 }
 
 /// Removes temporary files for `path` that killed processes have left behind. Files of living processes are locked and
 /// stay. Files that cannot be removed are ignored, since they do no harm.
 pub(super) fn remove_leftovers(path: &Path) {
     let prefix = prefix_of(path);
-    let Ok(entries) = fs::read_dir(folder_of(path)) else {
-        return;
-    };
+    let Ok(entries) = fs::read_dir(folder_of(path)) else { return };
     let is_ours = |entry: &fs::DirEntry| entry.file_name().as_encoded_bytes().starts_with(prefix.as_bytes());
     for leftover in entries.flatten().filter(is_ours).map(|entry| entry.path()) {
         // It stays locked until it is removed.
@@ -179,7 +174,7 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), DiskError> {
 }
 
 /// Removes a file or a folder with all that it holds, if it is there.
-pub(super) fn remove_if_there(path: &Path) -> Result<(), DiskError> {
+pub(super) fn remove_if_there(path: &Path) -> Result<()> {
     let removed = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
     match removed {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(DiskError::io(path, "remove")(error)),
@@ -188,7 +183,7 @@ pub(super) fn remove_if_there(path: &Path) -> Result<(), DiskError> {
 }
 
 /// Makes renames in a folder survive a power failure. Only Unix systems can open folders for this.
-pub(super) fn sync_folder(folder: &Path) -> Result<(), DiskError> {
+pub(super) fn sync_folder(folder: &Path) -> Result<()> {
     if cfg!(unix) {
         File::open(folder).and_then(|file| file.sync_all()).map_err(DiskError::io(folder, "sync"))?;
     }
@@ -196,40 +191,40 @@ pub(super) fn sync_folder(folder: &Path) -> Result<(), DiskError> {
 }
 
 /// Writes a small file at once.
-pub(super) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), DiskError> {
+pub(super) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
     let mut temporary = begin(path)?;
     temporary.file.write_all(bytes).map_err(DiskError::io(path, "write"))?;
     commit(temporary, path)
 }
 
 /// Writes a small file at once, unless there is one already. Of several processes that do this, the first wins.
-pub(super) fn write_new_bytes(path: &Path, bytes: &[u8]) -> Result<(), DiskError> {
+pub(super) fn write_new_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
     let mut temporary = begin(path)?;
     let file = &mut temporary.file;
     file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(DiskError::io(path, "write"))?;
     match temporary.file.persist_noclobber(path) {
         Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => Ok(()),
         Err(error) => Err(DiskError::io(path, "write")(error.error)),
-        Ok(_) => sync_folder(&folder_of(path)),
+        Ok(_) => sync_folder(folder_of(path)),
     }
 }
 
 /// The bytes of a JSON file: indented, with a newline at the end.
-pub(super) fn json_bytes<T: Serialize>(path: &Path, value: &T) -> Result<Vec<u8>, DiskError> {
+pub(super) fn json_bytes<T: Serialize>(path: &Path, value: &T) -> Result<Vec<u8>> {
     let mut bytes = serde_json::to_vec_pretty(value).map_err(DiskError::io(path, "write"))?;
     bytes.push(b'\n');
     Ok(bytes)
 }
 
 /// Writes a JSON file.
-pub(super) fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), DiskError> {
+pub(super) fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<()> {
     write_bytes(path, &json_bytes(path, value)?)
 }
 
 /// Creates a folder with all its parents and syncs its parent.
-pub(super) fn create_folder(folder: &Path) -> Result<(), DiskError> {
+pub(super) fn create_folder(folder: &Path) -> Result<()> {
     if !is_there(folder)? {
         fs::create_dir_all(folder).map_err(DiskError::io(folder, "create"))?;
     }
-    sync_folder(&folder_of(folder))
+    sync_folder(folder_of(folder))
 }

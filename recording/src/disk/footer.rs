@@ -10,8 +10,8 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::Path;
 
-use super::DiskError;
 use super::files::open_input;
+use super::{DiskError, Result};
 use crate::InputError;
 
 /// Metadata key of the hash.
@@ -91,12 +91,10 @@ pub(super) fn seal(file: &mut File) -> io::Result<()> {
 }
 
 /// Checks the hash inside a file, if there is one. Returns whether there is.
-pub(super) fn check_if_sealed(path: &Path) -> Result<bool, DiskError> {
+pub(super) fn check_if_sealed(path: &Path) -> Result<bool> {
     let mut bytes = Vec::new();
     open_input(path)?.read_to_end(&mut bytes).map_err(DiskError::io(path, "read"))?;
-    let Some(digits) = place(&bytes) else {
-        return Ok(false);
-    };
+    let Some(digits) = place(&bytes) else { return Ok(false) };
     let found = hash(&bytes, &digits);
     let stored = &bytes[digits];
     if stored == found.as_bytes() {
@@ -108,7 +106,7 @@ pub(super) fn check_if_sealed(path: &Path) -> Result<bool, DiskError> {
 }
 
 /// Checks the hash inside a file. A file without one is refused.
-pub(super) fn check_seal(path: &Path) -> Result<(), DiskError> {
+pub(super) fn check_seal(path: &Path) -> Result<()> {
     if check_if_sealed(path)? {
         return Ok(());
     }

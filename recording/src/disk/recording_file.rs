@@ -13,7 +13,7 @@ use super::tables::frames::{
 };
 use super::tables::truth_columns::{TRUTH_COLUMNS, moves};
 use super::tables::{about, about_entry};
-use super::{DiskError, footer};
+use super::{DiskError, Result, footer};
 use crate::{InputError, Recording};
 
 /// The tables whose columns a recording has.
@@ -100,7 +100,7 @@ pub fn is_recording(path: &Path) -> Result<bool, DiskError> {
 }
 
 /// As [`is_recording`], but an error for a damaged file.
-fn is_sound_recording(path: &Path) -> Result<bool, DiskError> {
+fn is_sound_recording(path: &Path) -> Result<bool> {
     let is_parquet = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
     Ok(is_parquet && ParquetTable::open(path)?.key_value(FORMAT_KEY).is_ok())
 }

@@ -73,11 +73,7 @@ impl<'a> Canvas<'a> {
         let style = &layer.style;
         match &layer.shape {
             Shape::Line(points) => self.line(points, style),
-            Shape::Steps(points) => {
-                for run in self.plot.runs(points) {
-                    self.polyline(&corners(&run), style);
-                }
-            }
+            Shape::Steps(points) => self.plot.runs(points).iter().for_each(|run| self.polyline(&corners(run), style)),
             Shape::Points(points) => {
                 if layer.is_joined() {
                     let line: Vec<(f64, f64)> = points.iter().map(|point| (point.x, point.y)).collect();

@@ -39,6 +39,9 @@ const LETTER: f64 = 0.54;
 /// Height of a row of a chart that lies on its side, px.
 const ROW: f64 = 24.0;
 
+/// Oblique lines over a square of 8 px.
+const HATCHING: &str = "M-2 10l12 -12M4 16l12 -12M-8 4l12 -12";
+
 /// A chart as an SVG element, with its horizontal and its vertical axis.
 pub fn chart(
     name: impl Into<String>,
@@ -62,10 +65,7 @@ impl Chart {
         };
         let strips = self.layers.iter().filter(|layer| matches!(layer.shape, Shape::Bands(_)));
         let ticks_top = plot.bottom() + strips_height(strips.count());
-        let height = ticks_top + 2.0 * LINE + 8.0;
-        let mut svg = svg_head(&self.name, &self.title, &self.description, [WIDTH, height]);
-        self.patterns(&mut svg);
-        svg.push_str(&legend);
+        let mut svg = self.head(&legend, ticks_top);
         self.axes(&mut svg, &plot, ticks_top);
         let mut canvas = Canvas::new(&mut svg, &plot);
         for (index, layer) in self.layers.iter().enumerate() {
@@ -88,22 +88,19 @@ impl Chart {
             stacked.iter_mut().zip(heights).for_each(|(sum, height)| *sum += height);
             values.push(0.0);
         }
-        values.extend(stacked);
-        values.into_iter()
+        values.into_iter().chain(stacked)
     }
 
-    /// Patterns that hatch filled shapes. Their names contain the chart's name, because names must be unique on a page.
-    fn patterns(&self, svg: &mut String) {
+    /// The start of the drawing, whose tick labels are below `ticks_top`: its texts, the legend, and patterns that hatch filled
+    /// shapes. Their names contain the chart's name, because names must be unique on a page.
+    fn head(&self, legend: &str, ticks_top: f64) -> String {
+        let height = ticks_top + 2.0 * LINE + 8.0;
+        let mut svg = svg_head(&self.name, &self.title, &self.description, [WIDTH, height]);
         for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.shape.is_filled()) {
             let Style { colour, dash, .. } = layer.style;
             let (size, content) = match dash {
                 Dash::Solid => continue,
-                Dash::Dashed => (
-                    8,
-                    format!(
-                        "<path d=\"M-2 10l12 -12M4 16l12 -12M-8 4l12 -12\" stroke=\"{colour}\" stroke-width=\"3\"/>"
-                    ),
-                ),
+                Dash::Dashed => (8, format!("<path d=\"{HATCHING}\" stroke=\"{colour}\" stroke-width=\"3\"/>")),
                 Dash::Dotted => (5, format!("<circle cx=\"2\" cy=\"2\" r=\"1.5\" fill=\"{colour}\"/>")),
             };
             let _ = writeln!(
@@ -112,6 +109,7 @@ impl Chart {
                 slug(&self.name)
             );
         }
+        svg + legend
     }
 
     fn fill(&self, index: usize, style: &Style) -> String {
@@ -179,9 +177,7 @@ impl Chart {
         let left = 8.0 + LETTER * FONT * longest as f64;
         let values = Fitted::new(&self.y.scale, self.layers.iter().flat_map(Layer::ys), 6.0).tight();
         let at = |value: f64| values.share(value).map(|share| left + share * (WIDTH - left - RIGHT));
-        let height = bottom + 2.0 * LINE + 8.0;
-        let mut svg = svg_head(&self.name, &self.title, &self.description, [WIDTH, height]);
-        svg.push_str(&legend);
+        let mut svg = self.head(&legend, bottom);
         for (value, label) in &values.ticks {
             let Some(x) = at(*value) else { continue };
             let text = svg_text(x, bottom + LINE, " text-anchor=\"middle\"", label);

@@ -24,8 +24,8 @@ use super::table::Table;
 pub struct Page {
     title: String,
     body: String,
-    /// Whether a section is open, which the next one, or the end of the page, closes.
-    in_section: bool,
+    /// What closes the open section, if there is one.
+    end: &'static str,
 }
 
 const STYLE: &str = include_str!("page.css");
@@ -39,16 +39,9 @@ impl Page {
 
     /// Begins a section. It is folded: its heading is shown until a reader opens it.
     pub fn section(&mut self, heading: &str) {
-        self.end_section();
+        self.body += std::mem::replace(&mut self.end, "</details>\n");
         let (name, heading) = (slug(heading), escape(heading));
         let _ = writeln!(self.body, "<details><summary><h2 id=\"{name}\">{heading}</h2></summary>");
-        self.in_section = true;
-    }
-
-    fn end_section(&mut self) {
-        if std::mem::take(&mut self.in_section) {
-            self.body += "</details>\n";
-        }
     }
 
     /// What the page says first, in large letters.
@@ -58,8 +51,7 @@ impl Page {
 
     /// Charts and pictures side by side, without a caption.
     pub fn side_by_side(&mut self, parts: &[String]) {
-        let parts = joined(parts.iter().map(|part| format!("<div>{part}</div>")), "\n");
-        let _ = writeln!(self.body, "<div class=\"first\">\n{parts}</div>");
+        let _ = writeln!(self.body, "<div class=\"first\">\n{}</div>", divisions(parts));
     }
 
     /// Cards with a heading and a list of statements. A card without statements is left out.
@@ -106,8 +98,7 @@ impl Page {
     /// Related charts above one caption, side by side if there is room.
     pub fn figure(&mut self, caption: &str, charts: &[String]) {
         let class = if charts.len() == 1 { "charts one" } else { "charts" };
-        let (charts, caption) =
-            (joined(charts.iter().map(|chart| format!("<div>{chart}</div>")), "\n"), escape(caption));
+        let (charts, caption) = (divisions(charts), escape(caption));
         let _ = writeln!(
             self.body,
             "<figure><div class=\"{class}\">\n{charts}</div>\n<figcaption>{caption}</figcaption></figure>"
@@ -116,30 +107,36 @@ impl Page {
 
     /// A paragraph that is a link to a file beside the page.
     pub fn link(&mut self, address: &str, text: &str) {
-        let _ = writeln!(self.body, "<p><a href=\"{}\">{}</a></p>", escape(address), escape(text));
+        let _ = writeln!(self.body, "<p>{}</p>", anchor(address, text));
     }
 
     /// A paragraph of links, each with its address and text, after some words; nothing without links.
     pub fn links(&mut self, words: &str, links: impl Iterator<Item = (String, String)>) {
-        let link =
-            |(address, text): (String, String)| format!("<a href=\"{}\">{}</a>", escape(&address), escape(&text));
-        let links = joined(links.map(link), ", ");
+        let links = joined(links.map(|(address, text)| anchor(&address, &text)), ", ");
         if !links.is_empty() {
             let _ = writeln!(self.body, "<p>{}: {links}</p>", escape(words));
         }
     }
 
     /// The whole page.
-    pub fn html(mut self) -> String {
-        self.end_section();
-        let (title, body) = (escape(&self.title), self.body);
+    pub fn html(self) -> String {
+        let Page { title, body, end } = self;
+        let title = escape(&title);
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{title}</title>\n\
-             <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n{body}</main>\n\
+             <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n{body}{end}</main>\n\
              <script>\n{SCRIPT}</script>\n</body>\n</html>\n"
         )
     }
+}
+
+fn anchor(address: &str, text: &str) -> String {
+    format!("<a href=\"{}\">{}</a>", escape(address), escape(text))
+}
+
+fn divisions(parts: &[String]) -> String {
+    joined(parts.iter().map(|part| format!("<div>{part}</div>")), "\n")
 }
 
 fn list(items: impl IntoIterator<Item = String>) -> String {

@@ -13,11 +13,8 @@ pub fn add(report: &mut Report, outcome: &ComparedClassifiers) {
     }
     let file = &report.results.definition.file;
     let best = report.published().and_then(|own| own.best_accuracy_percent);
-    let title = match outcome.speeds.is_empty() {
-        true => "Other classifiers",
-        false => "Other classifiers, and how fast they decide",
-    };
-    report.section("classifiers", title);
+    let how_fast = if outcome.speeds.is_empty() { "" } else { ", and how fast they decide" };
+    report.section("classifiers", &format!("Other classifiers{how_fast}"));
     report.page.paragraph(
         "All classifiers are tested on whole reaches that they were not trained on, all on the same folds. This is stricter \
          than folds by position, which can put trials of one contact on both sides.",

@@ -11,9 +11,8 @@ pub fn add(report: &mut Report, outcome: &ConfusionMatrices) {
         return;
     }
     report.section("confusion", &format!("confusion of taxels, {} states", outcome.states));
-    for (name, caption, matrix) in
-        [("figure_6", "Force", &outcome.figure_6), ("figure_7", "Force and motion", &outcome.figure_7)]
-    {
+    let matrices = [("figure_6", "Force", &outcome.figure_6), ("figure_7", "Force and motion", &outcome.figure_7)];
+    for (name, caption, matrix) in matrices {
         let Some(matrix) = matrix else { continue };
         let figures = matrix.accuracy().map_or(String::new(), |own| {
             let balanced = own.balanced_accuracy.unwrap_or(f64::NAN);

@@ -49,16 +49,16 @@ fn compared(
 }
 
 fn table(outcome: &ComparedControllers) -> Table {
-    let with_interval = |own: Estimate, scale: f64, decimals: usize| match own.interval {
-        Some(_) => Cell::from(own.text(scale, decimals)),
-        None => Cell::optional(own.value.map(|value| scale * value), decimals),
+    let with_interval = |own: Estimate, scale: f64| match own.interval {
+        Some(_) => Cell::from(own.text(scale, 1)),
+        None => Cell::optional(own.value.map(|value| scale * value), 1),
     };
     Rows::of(outcome.controllers.iter().enumerate())
         .column("", |(place, _)| place + 1)
         .column("controller", |(_, own)| own.name.as_str())
-        .column("goals / %", |(_, own)| with_interval(own.reached, 100.0, 1))
-        .column("s a goal", |(_, own)| with_interval(own.goal_s, 1.0, 1))
-        .column("peak on trunks / N", |(_, own)| with_interval(own.trunk_peak_n, 1.0, 1))
+        .column("goals / %", |(_, own)| with_interval(own.reached, 100.0))
+        .column("s a goal", |(_, own)| with_interval(own.goal_s, 1.0))
+        .column("peak on trunks / N", |(_, own)| with_interval(own.trunk_peak_n, 1.0))
         .column("safety stops", |(_, own)| own.safety_stops)
         .table("controllers", "Controllers on the same reaches")
 }

@@ -36,18 +36,17 @@ fn shares_chart(outcome: &EngineeredReaches) -> String {
     let mut description = String::from("Per cent correct, misclassified and uncertain.");
     let (mut meanings, mut names) = (Vec::new(), Vec::new());
     let mut heights = [const { Vec::new() }; 3];
+    let percents = |own: &Shares| [own.correct_percent, own.misclassified_percent, own.uncertain_percent];
     for (place, reach) in outcome.figure_11.iter().enumerate() {
         let letter: String = reach.category.chars().take(1).flat_map(char::to_uppercase).collect();
         meanings.push(format!("{letter} {} only", reach.category));
         let name = format!("{}{letter}", place + 1);
-        let shares = reach.shares.as_ref().map_or([f64::NAN; 3], |shares| {
-            [shares.correct_percent, shares.misclassified_percent, shares.uncertain_percent]
-        });
-        description += &match reach.shares {
-            Some(_) => format!(" {name}: {:.0}, {:.0}, {:.0}.", shares[0], shares[1], shares[2]),
+        let shares = reach.shares.as_ref().map(percents);
+        description += &match shares {
+            Some([correct, wrong, uncertain]) => format!(" {name}: {correct:.0}, {wrong:.0}, {uncertain:.0}."),
             None => format!(" {name}: no such reach was drawn."),
         };
-        heights.iter_mut().zip(shares).for_each(|(own, share)| own.push(share));
+        heights.iter_mut().zip(shares.unwrap_or([f64::NAN; 3])).for_each(|(own, share)| own.push(share));
         names.push(name);
     }
     let [correct, wrong, uncertain] = heights;

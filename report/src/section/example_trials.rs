@@ -21,11 +21,8 @@ pub fn add(report: &mut Report, outcome: &ExampleTrials) {
         joined(outcome.figure_5.iter().map(part), "; ")
     );
     let medians = &outcome.figure_5_medians;
-    let text = match report.published().is_some() {
-        true => against_paper(medians).unwrap_or_else(|| typical(medians)),
-        false => typical(medians),
-    };
-    report.page.paragraph(&text);
+    let against_paper = report.published().and_then(|_| against_paper(medians));
+    report.page.paragraph(&against_paper.unwrap_or_else(|| typical(medians)));
     report.page.figure(&caption, &charts(outcome, &report.looks));
     let links = outcome.figure_5.iter().enumerate().map(|(place, own)| (address(own, place), own.category.clone()));
     report.page.links("Replay these trials in 3-D", links);

@@ -12,7 +12,7 @@ use underbrush_render::{RenderError, Size};
 
 use crate::drawing::svg_head;
 use crate::style::UNTOUCHED;
-use crate::{CategoryLooks, Mark, Report, escape, joined, replayed, slug};
+use crate::{CategoryLooks, Look, Mark, Report, capitalized, escape, joined, replayed, slug};
 
 /// As wide as half the page on a screen with two pixels for one.
 const SIZE: Size = Size { width: 960, height: 640 };
@@ -96,21 +96,16 @@ pub fn marks_in_words(labels: &[&str], looks: &CategoryLooks) -> String {
         if word.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" }
     };
     let entry = |(place, name): (usize, &str)| {
-        let look = looks.look(name);
-        let first = match (place, article(look.colour_name)) {
-            (0, "a") => "A",
-            (0, _) => "An",
-            (_, article) => article,
-        };
+        let Look { colour_name, mark, .. } = looks.look(name);
         let verb = if place == 0 { " is" } else { "" };
         let what = match name {
             "uncertain" => name.to_owned(),
             category => format!("{} {category}", article(category)),
         };
-        format!("{first} {} {}{verb} {what}", look.colour_name, shape(look.mark))
+        format!("{} {colour_name} {}{verb} {what}", article(colour_name), shape(mark))
     };
     let names = labels.iter().copied().chain(["outlier", "uncertain"]);
-    joined(names.enumerate().map(entry), ", ")
+    capitalized(&joined(names.enumerate().map(entry), ", "))
 }
 
 /// Colour and shape of a verdict: the paper's colours, with a shape for readers who cannot distinguish them. A taxel

@@ -9,8 +9,8 @@ use underbrush_experiments::frame_verdicts::{Classified, Online};
 use underbrush_experiments::online_models::Thresholds;
 use underbrush_recording::{Category, FRAME_PERIOD_S};
 
-use crate::style::{CategoryLooks, FIRST, INK, OUTLIER};
-use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, joined, replayed, square_chart};
+use crate::style::{CategoryLooks, FIRST, OUTLIER, REFERENCE};
+use crate::{Axis, Cell, Dash, Layer, Report, Rows, Shape, Style, Table, chart, joined, replayed, square_chart};
 
 /// Share of taxel frames left uncertain above which the page says that a rule fails. Choice: such a rule decides on
 /// fewer than one in ten.
@@ -36,12 +36,10 @@ pub fn add(report: &mut Report, outcome: &OutlierThresholds) {
         report.page.figure(caption, &charts);
         // On its page they follow the general reach.
         let first = usize::from(outcome.online.shown().is_some());
-        let link = |(place, reach): (usize, &Classified)| {
-            let address = replayed::reach(replayed::TEST_FILE, first + place);
-            (address, format!("draw {}", reach.reach_index))
-        };
-        let reaches = outcome.online.outlier.iter().enumerate();
-        report.page.links("Replay these reaches in 3-D", reaches.map(link));
+        let links = outcome.online.outlier.iter().enumerate().map(|(place, reach)| {
+            (replayed::reach(replayed::TEST_FILE, first + place), format!("draw {}", reach.reach_index))
+        });
+        report.page.links("Replay these reaches in 3-D", links);
     }
     report.numbers(frames_table(&outcome.online));
     report.page.paragraph(&thresholds(&outcome.curves));
@@ -96,16 +94,12 @@ pub fn chosen_rule_online(detection: &[Detection]) -> Option<String> {
     }
     let uncertain = chosen.iter().map(|row| row.percent_of("uncertain") * row.taxel_frames as f64);
     let percent = uncertain.sum::<f64>() / frames as f64;
-    let found =
-        format!("Used frame by frame on the outlier reaches, the chosen thresholds leave {percent:.1} % uncertain");
-    Some(if percent > 100.0 * FAILING_UNCERTAIN_SHARE {
-        format!(
-            "{found}: the rule fails there. Its thresholds are margins of whole trials. A margin grows with every sample, so a \
-             contact that still lasts seldom reaches them."
-        )
-    } else {
-        format!("{found}.")
-    })
+    let failing = ": the rule fails there. Its thresholds are margins of whole trials. A margin grows with every sample, so a \
+                   contact that still lasts seldom reaches them.";
+    let verdict = if percent > 100.0 * FAILING_UNCERTAIN_SHARE { failing } else { "." };
+    Some(format!(
+        "Used frame by frame on the outlier reaches, the chosen thresholds leave {percent:.1} % uncertain{verdict}"
+    ))
 }
 
 /// How well outliers are found by their small margin, over all thresholds.
@@ -139,17 +133,11 @@ pub fn reach_chart(reach: &Classified, labels: &[&str], looks: &CategoryLooks) -
     };
     let mut description = format!("Mean number of taxels by verdict over intervals of {INTERVAL_S} s. Over the reach:");
     let mut layers = Vec::new();
-    // Outliers at the bottom, uncertain taxels on top.
-    let rank = |name: &str| match name {
-        "outlier" => 0,
-        "trunk" => 1,
-        "uncertain" => 3,
-        _ => 2,
-    };
-    let mut verdicts: Vec<(usize, &String)> = reach.stream.verdicts.iter().enumerate().collect();
-    verdicts.sort_by_key(|(_, name)| rank(name));
+    // Outliers at the bottom, then trunks; uncertain taxels on top.
+    let mut verdicts: Vec<(usize, &str)> = reach.stream.verdicts.iter().map(String::as_str).enumerate().collect();
+    verdicts.sort_by_key(|(_, name)| (*name != "outlier", *name != "trunk", *name == "uncertain"));
     for (column, name) in verdicts {
-        let style = match name.as_str() {
+        let style = match name {
             "uncertain" => Style::line(UNCERTAIN_AREA, Dash::Solid),
             other => area_style(other, looks),
         };
@@ -158,11 +146,11 @@ pub fn reach_chart(reach: &Classified, labels: &[&str], looks: &CategoryLooks) -
         let end = frames.last().zip(points.last().copied());
         points.extend(end.map(|(end, last)| (end.time_s, last.1)));
         description += &format!(" {name} {mean:.2},");
-        layers.push(Layer::new(name.as_str(), style, Shape::Areas(points)));
+        layers.push(Layer::new(name, style, Shape::Areas(points)));
     }
     let (untouched, points) = means(&|frame| frame.tally.unknown);
     description += &format!(" without truth {untouched:.2}");
-    layers.push(Layer::new("nothing presses", Style::line(INK, Dash::Dotted), Shape::Steps(points)));
+    layers.push(Layer::new("nothing presses", REFERENCE, Shape::Steps(points)));
     description = format!("{}. Truly touched in this share of the time:", description.trim_end_matches(','));
     for category in strips(reach, labels) {
         let (name, style) = (category.name(), area_style(category.name(), looks));
@@ -174,8 +162,8 @@ pub fn reach_chart(reach: &Classified, labels: &[&str], looks: &CategoryLooks) -
         description += &format!(" {name} {:.0} %,", 100.0 * share);
         layers.push(Layer::new(name, style, Shape::Bands(touching.map(ends).collect())));
     }
-    let (name, title) =
-        (format!("figure-15-{}", reach.reach_index), format!("Outlier reach, draw {}", reach.reach_index));
+    let draw = reach.reach_index;
+    let (name, title) = (format!("figure-15-{draw}"), format!("Outlier reach, draw {draw}"));
     let axes = (Axis::from_zero("time / s"), Axis::from_zero("taxels"));
     chart(name, title, format!("{}.", description.trim_end_matches(',')), axes, layers)
 }
@@ -215,28 +203,27 @@ pub fn frames_table(online: &Online) -> Table {
     let truths = online.outlier.iter().flat_map(|reach| &reach.stream.truths);
     let truths: BTreeSet<Category> = truths.chain(&Category::BUILT_IN).copied().collect();
     let frames = online.outlier.iter().flat_map(|reach| reach.stream.frames.iter().map(move |frame| (reach, frame)));
-    let mut rows = Rows::of(frames)
+    Rows::of(frames)
         .column("reach_index", |(reach, _)| reach.reach_index as usize)
         .number("time_s", 2, |(_, frame)| frame.time_s)
         .columns(verdicts, |(_, frame)| frame.by_verdict.iter().copied())
-        .column("without_truth", |(_, frame)| frame.tally.unknown);
-    for truth in truths {
-        let touches = |(reach, frame)| usize::from(touches(reach, frame, truth));
-        rows = rows.column(format!("touches_{}", truth.name()), touches);
-    }
-    rows.table("figure_15", "Verdicts in the outlier reaches")
+        .column("without_truth", |(_, frame)| frame.tally.unknown)
+        .columns(truths.iter().map(|truth| format!("touches_{}", truth.name())), |(reach, frame)| {
+            truths.iter().map(move |truth| usize::from(touches(reach, frame, *truth)))
+        })
+        .table("figure_15", "Verdicts in the outlier reaches")
 }
 
 fn detection_table(outcome: &OutlierThresholds) -> Table {
     let verdicts = outcome.online.outlier.first().map_or(&[][..], |reach| &reach.stream.verdicts);
-    let mut rows = Rows::of(&outcome.figure_15.detection)
+    Rows::of(&outcome.figure_15.detection)
         .column("thresholds", |row| row.rule.as_str())
         .column("truth", |row| row.truth)
-        .column("taxel frames", |row| row.taxel_frames);
-    for verdict in verdicts {
-        rows = rows.number(format!("{verdict} / %"), 1, |row| row.percent_of(verdict));
-    }
-    rows.table("outlier_detection", "Verdicts by what truly presses, over all frames of the outlier reaches")
+        .column("taxel frames", |row| row.taxel_frames)
+        .columns(verdicts.iter().map(|verdict| format!("{verdict} / %")), |row| {
+            verdicts.iter().map(move |verdict| Cell::Number(row.percent_of(verdict), 1))
+        })
+        .table("outlier_detection", "Verdicts by what truly presses, over all frames of the outlier reaches")
 }
 
 /// The curve of the first label against the others, and the curve of outliers against known categories.

@@ -5,7 +5,7 @@ use underbrush_classifier::feature::FeatureSet;
 use underbrush_experiments::experiment::over_time::{AccuracyOverTime, seconds_per_100_taxels};
 use underbrush_experiments::frame_verdicts::Classified;
 
-use crate::style::{CORRECT, FIRST, INK, UNCERTAIN, UNTOUCHED, WRONG};
+use crate::style::{CORRECT, FIRST, REFERENCE, UNCERTAIN, UNTOUCHED, WRONG};
 use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replayed};
 
 /// Adds the section.
@@ -119,9 +119,7 @@ fn beside_paper(
         description += &told;
         let ends = [reach.stream.frames.first(), reach.stream.frames.last()].into_iter().flatten();
         let points = ends.map(|frame| (frame.time_s, mean)).collect();
-        let level =
-            Layer::new(format!("paper's mean, {mean}{unit}"), Style::line(INK, Dash::Dotted), Shape::Line(points));
-        layers.push(level);
+        layers.push(Layer::new(format!("paper's mean, {mean}{unit}"), REFERENCE, Shape::Line(points)));
     }
     chart(name, title, description, (Axis::from_zero("time / s"), y), layers)
 }

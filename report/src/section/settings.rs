@@ -74,8 +74,7 @@ fn of_classifier(outcome: &ComparedSettings, classifier: &str) -> Table {
     // The baseline depends only on the trials that are tested.
     let majority = settings.iter().map(|tested| {
         let tested = own().find(|split| split.tested == *tested);
-        let percent = tested.map(|split| format!("{:.1}", split.accuracy.majority_baseline));
-        percent.map_or(Cell::Missing, Cell::from)
+        tested.map_or(Cell::Missing, |split| format!("{:.1}", split.accuracy.majority_baseline).into())
     });
     table.rows.push(std::iter::once("majority baseline".into()).chain(majority).collect());
     table

@@ -18,10 +18,8 @@ pub fn add(report: &mut Report, outcome: &TruncatedAccuracy) {
     report.page.paragraph(&sentence(points));
     report.page.figure("Taxels, force, the first recipe; whiskers are 95 % intervals by reach.", &[chart(points)]);
     report.table(table(points));
-    let rows = points.iter().map(|point| {
-        let length = length(point);
-        (format!("{length} samples, {} states", point.states), &point.accuracy)
-    });
+    let row = |point: &Truncated| format!("{} samples, {} states", length(point), point.states);
+    let rows = points.iter().map(|point| (row(point), &point.accuracy));
     report.table(by_touch("figure_13_by_touch", &name, rows));
 }
 

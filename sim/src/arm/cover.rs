@@ -68,9 +68,7 @@ struct Place {
 /// [`NewPatch::prune`] is off: then the error lists all of them.
 pub fn cover(arm_file: &Path, new: &NewPatch) -> Result<Covered, InputError> {
     let arm = Arm::load(arm_file)?;
-    let [_, _, skin] = arm.files.as_slice() else {
-        return Err(InputError::new(arm_file, "skin", "no skin file", "an arm of three files", "name a skin file"));
-    };
+    let [_, _, skin] = &arm.files;
     let path = arm_file.parent().unwrap_or(Path::new("")).join(&skin.name);
     let refused = |found: String, allowed: &str, remedy: &str| {
         InputError::new(&path, format!("patch {}", new.name), found, allowed, remedy)

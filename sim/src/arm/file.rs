@@ -150,7 +150,7 @@ pub(super) fn assemble(path: &Path, read: &dyn Fn(&Path) -> Result<String, Input
     let files = files.map(|(name, text)| ArmSource { name, text: text.clone() });
     let mut arm = Arm {
         name: file.name,
-        files: files.into(),
+        files,
         joints: join_tables(&source, chain.joints, &file.joint)?,
         links: chain.links,
         end_effector_link,
@@ -266,21 +266,21 @@ fn join_table(source: &Source, joint: Joint, number: usize, table: &JointTable) 
     check("model_stiffness_nm_per_rad", table.model_stiffness_nm_per_rad, limits::STIFFNESS_NM_PER_RAD)?;
     check("damping_nm_s_per_rad", table.damping_nm_s_per_rad, limits::DAMPING_NM_S_PER_RAD)?;
     check("armature_kg_m2", table.armature_kg_m2, limits::ARMATURE_KG_M2)?;
-    let limits_rad = table.controller_limits_deg.map(f64::to_radians);
-    let [lower, upper] = limits_rad;
-    let mechanical = joint.limits_rad.map(f64::to_degrees);
     let degrees = table.controller_limits_deg;
+    let limits_rad = degrees.map(f64::to_radians);
+    let [lower, upper] = limits_rad;
     if !(degrees.iter().all(|angle| limits::ANGLE_DEG.hold(*angle)) && lower < upper) {
         let allowed = format!("two angles from {}, the smaller first", limits::ANGLE_DEG);
         return Err(fault("controller_limits_deg", listed(&degrees), &allowed));
     }
     if lower < joint.limits_rad[0] || upper > joint.limits_rad[1] {
-        let allowed = format!("within the URDF's limits, {:.4} to {:.4} deg", mechanical[0], mechanical[1]);
+        let [low, high] = joint.limits_rad.map(f64::to_degrees);
+        let allowed = format!("within the URDF's limits, {low:.4} to {high:.4} deg");
         return Err(fault("controller_limits_deg", listed(&degrees), &allowed));
     }
     let start_rad = table.start_deg.to_radians();
     if !(lower..=upper).contains(&start_rad) {
-        let allowed = format!("an angle within {:?} deg", table.controller_limits_deg);
+        let allowed = format!("an angle within {degrees:?} deg");
         return Err(fault("start_deg", short(table.start_deg), &allowed));
     }
     Ok(Joint {

@@ -43,19 +43,17 @@ pub(super) fn hulls(triangles: &[Triangle], parts: usize) -> Vec<MeshHull> {
 /// and then takes in those that stand out most over its faces, as in quickhull, until it is close or has [`MAX_CORNERS`].
 fn thinned(cloud: &[DVec3]) -> Option<MeshHull> {
     let farthest = |direction: DVec3| cloud.iter().max_by(|a, b| a.dot(direction).total_cmp(&b.dot(direction)));
-    let mut points_m: Vec<DVec3> = Vec::new();
-    let mut add = |point: DVec3| {
+    let mut corners: Vec<DVec3> = Vec::new();
+    let add = |point: DVec3, corners: &mut Vec<DVec3>| {
         let rounded = (point * STEPS_PER_M).round() / STEPS_PER_M;
-        if !points_m.contains(&rounded) && points_m.len() < MAX_CORNERS {
-            points_m.push(rounded);
+        if !corners.contains(&rounded) && corners.len() < MAX_CORNERS {
+            corners.push(rounded);
         }
-        points_m.clone()
     };
     let steps = || [-1.0, 0.0, 1.0].into_iter();
     let directions = steps().flat_map(|x| steps().flat_map(move |y| steps().map(move |z| DVec3::new(x, y, z))));
-    let mut corners = Vec::new();
     for direction in directions.filter(|direction| *direction != DVec3::ZERO) {
-        corners = add(*farthest(direction)?);
+        add(*farthest(direction)?, &mut corners);
     }
     let mut best = None;
     loop {
@@ -73,7 +71,7 @@ fn thinned(cloud: &[DVec3]) -> Option<MeshHull> {
         let before = corners.len();
         best = Some(MeshHull { points_m: corners.clone(), outside_m });
         for (_, point) in over.iter().take(ADDED) {
-            corners = add(*point);
+            add(*point, &mut corners);
         }
         if corners.len() == before {
             return best;

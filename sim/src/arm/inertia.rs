@@ -45,9 +45,8 @@ pub(super) fn raised(entries: Entries) -> Option<(Entries, f64)> {
     let (largest, rest) = (eigenvalues.max(), own.trace() - eigenvalues.max());
     let axis = eigenvectors.column(eigenvalues.imax());
     let new = own + (Matrix3::identity() - axis * axis.transpose()) * (largest - rest) / 2.0;
-    let [xx, xy, xz, yy, yz, zz] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|place| new[place]);
     // Six digits are more than any of the data have.
-    let new = [xx, xy, xz, yy, yz, zz].map(|entry| significant(entry, 6));
+    let new = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|place| significant(new[place], 6));
     (largest > rest && fault(new).is_none()).then_some((new, largest / rest - 1.0))
 }
 

@@ -22,8 +22,7 @@ impl Arm {
         let mut pose = Pose::IDENTITY;
         let mut link_poses = Vec::with_capacity(self.links.len());
         link_poses.push(pose);
-        for (index, joint) in self.joints.iter().enumerate() {
-            let angle = joint_angle_rad.get(index).copied().unwrap_or(0.0);
+        for (joint, angle) in self.joints.iter().zip(joint_angle_rad.iter().copied().chain(std::iter::repeat(0.0))) {
             let rotation = Pose::from_orientation(DQuat::from_axis_angle(joint.axis_child, angle));
             pose = pose * joint.origin_parent * rotation;
             link_poses.push(pose);
@@ -124,9 +123,8 @@ impl Arm {
 
     fn jacobian(&self, link_poses: &[Pose], link: usize, column: impl Fn(DVec3, DVec3) -> DVec3) -> Matrix3xX<f64> {
         let mut jacobian = Matrix3xX::zeros(self.joints.len());
-        for ((joint, pose), mut entries) in
-            self.joints.iter().zip(&link_poses[1..]).zip(jacobian.column_iter_mut()).take(link)
-        {
+        let carrying = self.joints.iter().zip(&link_poses[1..]).take(link);
+        for ((joint, pose), mut entries) in carrying.zip(jacobian.column_iter_mut()) {
             let value = column(pose.orientation * joint.axis_child, pose.position);
             entries.copy_from_slice(&value.to_array());
         }

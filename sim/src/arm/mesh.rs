@@ -111,18 +111,13 @@ fn collada(text: &str) -> Result<Vec<Triangle>, String> {
     let with_id = |node: Node| node.attribute("id").map(|id| (id.to_owned(), node.id()));
     let by_id: HashMap<_, _> = document.descendants().filter_map(with_id).collect();
     let reader = Collada { document: &document, by_id, nodes: Cell::new(0) };
-    let unit = document.descendants().find(|node| is_called(*node, "unit"));
+    let unit = document.descendants().find(|node| node.has_tag_name("unit"));
     let metre = unit.and_then(|unit| unit.attribute("meter")?.parse().ok()).unwrap_or(1.0);
     let mut triangles = Vec::new();
-    for scene in document.descendants().filter(|node| is_called(*node, "visual_scene")) {
+    for scene in document.descendants().filter(|node| node.has_tag_name("visual_scene")) {
         reader.place(scene, DMat4::from_scale(DVec3::splat(metre)), 0, &mut triangles)?;
     }
     Ok(triangles)
-}
-
-/// Whether an element has this name, in any namespace.
-fn is_called(node: Node, name: &str) -> bool {
-    node.tag_name().name() == name
 }
 
 struct Collada<'a> {
@@ -186,31 +181,29 @@ impl<'a> Collada<'a> {
         if !["triangles", "polylist", "polygons"].contains(&node.tag_name().name()) {
             return Ok(());
         }
-        let inputs = || node.children().filter(|child| is_called(*child, "input"));
+        let inputs = || node.children().filter(|child| child.has_tag_name("input"));
         let offset = |input: Node| input.attribute("offset").and_then(|own| own.parse::<usize>().ok()).unwrap_or(0);
         let stride = inputs().map(offset).max().unwrap_or(0).min(64) + 1;
         let vertex = inputs().find(|input| input.attribute("semantic") == Some("VERTEX")).ok_or("no VERTEX")?;
         let vertices = self.target(vertex, "source").ok_or("no <vertices>")?;
         let position = vertices.children().find(|input| input.attribute("semantic") == Some("POSITION"));
         let source = position.and_then(|input| self.target(input, "source")).ok_or("no POSITION")?;
-        let array = source.children().find(|child| is_called(*child, "float_array")).ok_or("no positions")?;
+        let array = source.children().find(|child| child.has_tag_name("float_array")).ok_or("no positions")?;
         let places = listed::<f64>(array)?;
         let mut corners = Vec::new();
-        let mut ends = Vec::new();
-        for list in node.children().filter(|child| is_called(*child, "p")) {
+        let mut list_lengths = Vec::new();
+        for list in node.children().filter(|child| child.has_tag_name("p")) {
+            let before = corners.len();
             for index in listed::<usize>(list)?.chunks_exact(stride).map(|own| own.get(offset(vertex)).copied()) {
                 let own = index.and_then(|index| places.get(index.checked_mul(3)?..)?.first_chunk::<3>());
                 let own = own.ok_or("a corner beyond the list of positions")?;
-                let at = *frame * DVec4::new(own[0], own[1], own[2], 1.0);
-                corners.push(at.truncate());
+                corners.push((*frame * DVec4::new(own[0], own[1], own[2], 1.0)).truncate());
             }
-            ends.push(corners.len());
+            list_lengths.push(corners.len() - before);
         }
-        let counts = match node.children().find(|child| is_called(*child, "vcount")) {
+        let counts = match node.children().find(|child| child.has_tag_name("vcount")) {
             Some(counts) => listed(counts)?,
-            None if is_called(node, "polygons") => {
-                ends.iter().scan(0, |start, end| Some(end - std::mem::replace(start, *end))).collect()
-            }
+            None if node.has_tag_name("polygons") => list_lengths,
             None => vec![3; corners.len() / 3],
         };
         let mut rest = corners.as_slice();

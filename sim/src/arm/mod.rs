@@ -66,7 +66,7 @@ pub struct Arm {
     /// The skin.
     pub skin: Skin,
     /// The files that it was read from, for the provenance of data sets: the TOML file, the URDF and the skin file.
-    pub files: Vec<ArmSource>,
+    pub files: [ArmSource; 3],
 }
 
 /// A file of an arm, as it was read.
@@ -190,13 +190,13 @@ impl Arm {
     /// As [`Arm::load`].
     pub fn from_files(files: &[ArmSource]) -> Result<Arm, InputError> {
         let first = files.first().map_or("arm.toml", |file| file.name.as_str());
-        let read = |path: &Path| match files.iter().find(|file| Path::new(&file.name) == path) {
-            Some(file) => Ok(file.text.clone()),
-            None => {
+        let read = |path: &Path| {
+            let file = files.iter().find(|file| Path::new(&file.name) == path);
+            file.map(|file| file.text.clone()).ok_or_else(|| {
                 let found = "no such file among the arm's files";
                 let allowed = "the text of every file that the arm file names";
-                Err(InputError::new(path, "file", found, allowed, "give this file, too"))
-            }
+                InputError::new(path, "file", found, allowed, "give this file, too")
+            })
         };
         file::assemble(Path::new(first), &read)
     }

@@ -122,17 +122,16 @@ pub fn new_files(new: &NewArm) -> Result<NewFiles, InputError> {
         let remedy = "give a --tip farther from the base, or correct the lengths in the URDF, which are in metres";
         return Err(source.fault("--tip", found, allowed, remedy));
     }
-    let found_posture = room.start_posture(&arm);
+    let posture = room.start_posture(&arm);
     let rounded =
         |(angle, [low, high]): (&f64, &[f64; 2])| ((angle.to_degrees() * 10.0).round() / 10.0).clamp(*low, *high);
-    let start_found = found_posture.is_some();
-    let start_deg: Vec<f64> = match &found_posture {
+    let start_deg: Vec<f64> = match &posture {
         Some(posture) => posture.iter().zip(&limits_deg).map(rounded).collect(),
         None => limits_deg.iter().map(middle).collect(),
     };
     let start_rad: Vec<f64> = start_deg.iter().map(|angle| angle.to_radians()).collect();
     let inertia = arm.mass_matrix(&arm.forward_kinematics(&start_rad));
-    let mut joints = match start_found {
+    let mut joints = match posture.is_some() {
         true => "# - start: the tip is drawn back in front of the base, level with the goals of the scene beside this file; of the\n\
                     #   postures found there, the one with the fewest links through each other and the most room to the limits.\n",
         false => "# - start: the middle of the limits. No posture was found with the tip in front of the base and above the table of\n\
@@ -148,7 +147,7 @@ pub fn new_files(new: &NewArm) -> Result<NewFiles, InputError> {
     Ok(NewFiles {
         scene: (new.out.with_extension("trunks.toml"), scene_text(&new.out, &room)),
         skin: (skin_path, skin_text.clone()),
-        start_found,
+        start_found: posture.is_some(),
         held: held.iter().map(|(joint, _)| joint.name.to_owned()).collect(),
         hulls: found.len(),
         raised: raised.into_iter().map(|(link, _, share)| (link, share)).collect(),
@@ -231,20 +230,16 @@ impl<'a> Tree<'a> {
     /// The moving joints of side branches and beyond the tip, each with the place nearest to zero that its limits allow; a
     /// mimic joint follows its leader.
     fn held(&self) -> Vec<(Joint<'a>, f64)> {
-        let own = |joint: &Joint| match (joint.kind, child(joint.element, "limit")) {
-            ("revolute" | "prismatic", Some(limit)) => {
-                0.0_f64.min(number(Some(limit), "upper")).max(number(Some(limit), "lower"))
-            }
-            _ => 0.0,
+        let own = |joint: &Joint| {
+            let limit = child(joint.element, "limit").filter(|_| ["revolute", "prismatic"].contains(&joint.kind));
+            0.0_f64.min(number(limit, "upper")).max(number(limit, "lower"))
         };
         let place = |joint: &Joint| {
             let mimic = child(joint.element, "mimic")?;
             let leader = self.joints.iter().find(|other| attribute(mimic, "joint") == Some(other.name))?;
             let factor = numbers(Some(mimic), "multiplier").map_or(1.0, |[factor]| factor);
-            Some(
-                factor * if self.chain.contains(leader.name) { 0.0 } else { own(leader) }
-                    + number(Some(mimic), "offset"),
-            )
+            let followed = if self.chain.contains(leader.name) { 0.0 } else { own(leader) };
+            Some(factor * followed + number(Some(mimic), "offset"))
         };
         let side = self.joints.iter().filter(|joint| joint.moves() && !self.chain.contains(joint.name));
         side.map(|joint| (*joint, place(joint).unwrap_or_else(|| own(joint)))).collect()
@@ -270,10 +265,9 @@ impl<'a> Tree<'a> {
         let (mut tables, mut hulled, mut all) = (String::new(), BTreeSet::new(), Vec::new());
         for link in &self.links {
             let name = text(*link, "name");
-            let is_bare = named(*link, &["collision"]).next().is_none();
-            let (kind, why) = match is_bare {
-                true => ("visual", ", a mesh for pictures, because the link has no collision shape"),
-                false => ("collision", ""),
+            let (kind, why) = match child(*link, "collision") {
+                None => ("visual", ", a mesh for pictures, because the link has no collision shape"),
+                Some(_) => ("collision", ""),
             };
             for part in named(*link, &[kind]) {
                 let Some(mesh) = mesh(part) else { continue };
@@ -322,12 +316,11 @@ impl<'a> Tree<'a> {
 /// names are relative to the URDF.
 fn find_mesh(new: &NewArm, filename: &str, line: usize) -> Result<PathBuf, InputError> {
     let folder = new.urdf.parent().unwrap_or(Path::new(""));
-    let mut places = Vec::new();
+    let (mut places, mut remedy) = (Vec::new(), "give --package NAME=FOLDER");
     match filename.strip_prefix("package://").map(|rest| rest.split_once('/').unwrap_or((rest, ""))) {
-        Some((package, rest)) => {
-            if let Some(given) = new.packages.get(package) {
-                places.push(given.join(rest));
-            } else {
+        Some((package, rest)) => match new.packages.get(package) {
+            Some(given) => places.push(given.join(rest)),
+            None => {
                 let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
                 for around in folder.ancestors() {
                     if around.file_name().is_some_and(|own| own == package) {
@@ -336,28 +329,25 @@ fn find_mesh(new: &NewArm, filename: &str, line: usize) -> Result<PathBuf, Input
                     places.push(around.join(package).join(rest));
                 }
             }
+        },
+        None => {
+            places.push(folder.join(filename.strip_prefix("file://").unwrap_or(filename)));
+            remedy = "put it there, or correct its name in the URDF";
         }
-        None => places.push(folder.join(filename.strip_prefix("file://").unwrap_or(filename))),
     }
     if let Some(found) = places.iter().position(|place| place.is_file()) {
         return Ok(places.swap_remove(found));
     }
     let searched: Vec<String> = places.iter().map(|place| place.display().to_string()).collect();
     let found = format!("{filename}, which is not in {}", searched.join(", nor "));
-    let is_packaged = filename.starts_with("package://");
-    let remedy =
-        if is_packaged { "give --package NAME=FOLDER" } else { "put it there, or correct its name in the URDF" };
     Err(InputError::new(&new.urdf, "mesh filename", found, "a mesh that is there", remedy).at_line(line))
 }
 
 /// The path of a file from the folder of the arm file, with slashes on every machine; absolute if there is none.
 fn relative(arm_file: &Path, file: &Path) -> String {
-    let real = |path: &Path| {
-        std::fs::canonicalize(path).or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.into())
-    };
-    let own = |path: &Path| match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => real(folder),
-        _ => real(Path::new(".")),
+    let own = |path: &Path| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        std::fs::canonicalize(folder).or_else(|_| std::path::absolute(folder)).unwrap_or_else(|_| folder.into())
     };
     let (from, to) = (own(arm_file), own(file));
     let name = file.file_name().unwrap_or_default().to_string_lossy();

@@ -124,10 +124,8 @@ impl Skin {
 fn strips(side_m: f64, per_side: usize, gaps_m: Option<[f64; 2]>) -> Vec<(f64, f64, bool)> {
     let length_m = side_m / per_side as f64;
     let own = (0..per_side).map(|index| (side_m * ((index as f64 + 0.5) / per_side as f64 - 0.5), length_m, false));
-    let [before, after] = [0, 1].map(|at| gaps_m.map(|gaps| gaps[at]));
-    let before = before.map(|gap| (-(side_m + gap) / 2.0, gap, true));
-    let after = after.map(|gap| ((side_m + gap) / 2.0, gap, true));
-    before.into_iter().chain(own).chain(after).collect()
+    let gap = |at: usize, side: f64| gaps_m.map(|gaps_m| (side * (side_m + gaps_m[at]) / 2.0, gaps_m[at], true));
+    gap(0, -1.0).into_iter().chain(own).chain(gap(1, 1.0)).collect()
 }
 
 /// A place on the skin can be pressed by a contact if their normals differ by less than 60°: even with friction it is

@@ -223,22 +223,21 @@ fn cylinder_taxels(source: &Source, place: &str, table: &CylinderTable) -> Resul
     let axis = source.direction(&key("axis"), table.axis)?;
     let zero = source.direction(&key("zero_angle"), table.zero_angle)?;
     // If it is closer to the axis than this, the direction across the axis would be mostly rounding error.
-    let Some(zero) =
-        Some(zero.reject_from_normalized(axis)).filter(|across| across.length() > 1e-3).and_then(DVec3::try_normalize)
-    else {
+    let across = zero.reject_from_normalized(axis);
+    let Some(zero) = across.try_normalize().filter(|_| across.length() > 1e-3) else {
         return fault("zero_angle", listed(&table.zero_angle), "a direction across the axis");
     };
     source.check(&key("radius_m"), table.radius_m, limits::RADIUS_M)?;
     source.check(&key("row_pitch_m"), table.row_pitch_m, limits::TAXEL_SIZE_M)?;
     source.check(&key("taxel_size_m"), table.taxel_size_m, limits::TAXEL_SIZE_M)?;
     source.check(&key("gap_share"), table.gap_share, limits::SHARE)?;
-    let columns = table.column_angles_deg.len();
+    let angles = &table.column_angles_deg;
+    let columns = angles.len();
     if !(1..=MAX_TAXELS / columns.max(1)).contains(&table.rows) {
         let allowed = format!("at least 1, and at most {MAX_TAXELS} taxels on all patches together");
         return fault("rows", format!("{} rows of {columns} taxels", table.rows), &allowed);
     }
-    source.check_each(&key("column_angles_deg"), &table.column_angles_deg, limits::ANGLE_DEG)?;
-    let angles = &table.column_angles_deg;
+    source.check_each(&key("column_angles_deg"), angles, limits::ANGLE_DEG)?;
     let (Some(first), Some(last)) = (angles.first(), angles.last()) else {
         return fault("column_angles_deg", "none".into(), "at least one angle");
     };

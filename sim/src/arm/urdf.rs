@@ -151,28 +151,23 @@ type RigidGroup<'a> = Vec<(Element<'a>, Pose)>;
 
 impl<'a> Reader<'a> {
     fn check_names(&self) -> Result<(), InputError> {
-        let mut links = BTreeSet::new();
-        for link in self.elements.of_kind("link") {
-            let name = text(link, "name");
-            if !links.insert(name) {
-                return Err(self.elements.fault(link, "name", "a second link of this name", "unique names"));
+        let mut names = BTreeSet::new();
+        let mut check_name = |kind: &'static str, element: Element<'a>| {
+            let name = text(element, "name");
+            let fault = |found: String, allowed: &str| Err(self.elements.fault(element, "name", found, allowed));
+            match names.insert((kind, name)) {
+                false => fault(format!("a second {kind} of this name"), "unique names"),
+                true if is_plain(name) => Ok(()),
+                true => fault(format!("{name:?}"), PLAIN),
             }
-            if !is_plain(name) {
-                return Err(self.elements.fault(link, "name", format_args!("{name:?}"), PLAIN));
-            }
-        }
-        let mut joints = BTreeSet::new();
+        };
+        self.elements.of_kind("link").try_for_each(|link| check_name("link", link))?;
         let mut children = BTreeSet::new();
         for joint in &self.joints {
+            check_name("joint", joint.element)?;
             let fault = |key: &str, found: &str, allowed: &str| self.elements.fault(joint.element, key, found, allowed);
-            if !joints.insert(joint.name) {
-                return Err(fault("name", "a second joint of this name", "unique names"));
-            }
-            if !is_plain(joint.name) {
-                return Err(fault("name", &format!("{:?}", joint.name), PLAIN));
-            }
             for (end, link) in [("parent", joint.parent), ("child", joint.child)] {
-                if !links.contains(link) {
+                if !self.links.contains_key(link) {
                     return Err(fault(end, link, "the name of a link of this URDF"));
                 }
             }

@@ -91,15 +91,14 @@ impl<'a> Elements<'a> {
                 Error::UnclosedRootNode | Error::UnexpectedEndOfStream => source.text.lines().count(),
                 _ => error.pos().row as usize,
             };
-            let fault = source.fault("robot", error, "a URDF robot description in XML", REMEDY);
-            fault.at_line(line)
+            source.fault("robot", error, "a URDF robot description in XML", REMEDY).at_line(line)
         })?;
         let elements = Elements { source, document };
         let root = elements.document.root_element();
-        if root.tag_name().name() != "robot" {
+        if !root.has_tag_name("robot") {
             let found = format!("<{}>", root.tag_name().name());
-            let fault = source.fault("robot", found, "a URDF, whose root is <robot>", REMEDY);
-            return Err(fault.at_line(elements.line_of(root)));
+            let allowed = "a URDF, whose root is <robot>";
+            return Err(source.fault("robot", found, allowed, REMEDY).at_line(elements.line_of(root)));
         }
         elements.check_size()?;
         // Elements outside links and joints (transmissions, extensions of simulators) are not read.
@@ -222,16 +221,11 @@ fn place(element: Node, key: &str) -> String {
     let in_robot = element.ancestors().take_while(|around| around.parent_element().is_some());
     let owner = in_robot.last().unwrap_or(element);
     let around = element.ancestors().take_while(|around| *around != owner);
-    let mut parts: Vec<String> = around.map(part_name).collect();
+    let key = Some(key.to_owned()).filter(|key| !key.is_empty());
+    let mut parts: Vec<String> = key.into_iter().chain(around.map(part_name)).collect();
     parts.reverse();
-    if !key.is_empty() {
-        parts.push(key.to_owned());
-    }
     let owner = format!("{} {}", owner.tag_name().name(), attribute(owner, "name").unwrap_or_default());
-    match parts.is_empty() {
-        true => owner.trim_end().to_owned(),
-        false => format!("{}, {}", owner.trim_end(), parts.join(".")),
-    }
+    if parts.is_empty() { owner.trim_end().into() } else { format!("{}, {}", owner.trim_end(), parts.join(".")) }
 }
 
 impl Holds {

@@ -6,8 +6,8 @@ use glam::{DQuat, DVec3};
 use serde::Serialize;
 use underbrush_recording::{Pose, math};
 
-use super::Arm;
 use super::skin_fit::Surface;
+use super::{Arm, Joint};
 
 /// Radius of the ball that is tried, m: a stem, or the rolled edge of a leaf. Choice.
 const BALL_M: f64 = 0.004;
@@ -95,14 +95,12 @@ fn worst(arm: &Arm, first: usize, second: usize) -> Option<Wedge> {
 /// The poses of the links after `first` up to `second`, in the frame of the first, with one joint at an angle and the others at
 /// their start.
 fn poses(arm: &Arm, first: usize, second: usize, turned: Option<(usize, f64)>) -> Vec<Pose> {
-    let mut pose = Pose::IDENTITY;
-    let mut found = Vec::new();
-    for (joint, own) in arm.joints.iter().enumerate().take(second).skip(first) {
+    let place = |pose: &mut Pose, (joint, own): (usize, &Joint)| {
         let angle_rad = turned.filter(|(turned, _)| *turned == joint).map_or(own.start_rad, |(_, angle_rad)| angle_rad);
-        pose = pose * own.origin_parent * Pose::from_orientation(DQuat::from_axis_angle(own.axis_child, angle_rad));
-        found.push(pose);
-    }
-    found
+        *pose = *pose * own.origin_parent * Pose::from_orientation(DQuat::from_axis_angle(own.axis_child, angle_rad));
+        Some(*pose)
+    };
+    arm.joints.iter().enumerate().take(second).skip(first).scan(Pose::IDENTITY, place).collect()
 }
 
 /// Places in a ball around a point, on a grid.

@@ -41,8 +41,7 @@ struct ArmState {
 
 impl ArmState {
     fn read(&mut self, arm: &Arm, joints: &[JointState], link_pose_world: &[Pose]) {
-        self.joints.clear();
-        self.joints.extend_from_slice(joints);
+        joints.clone_into(&mut self.joints);
         self.links.clear();
         let (mut angular_velocity, mut velocity, mut origin) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
         for (index, (link, pose)) in arm.links.iter().zip(link_pose_world).enumerate() {

@@ -34,28 +34,24 @@ pub fn bounds(layout: &SkinLayout) -> impl Iterator<Item = Bound> + use<> {
             "largest_force_residual" => (1e-9, "the skin conserves force; rounding alone gives 1e-15"),
             "largest_moment_residual_m" => (
                 farthest_contact_m + DEEPEST_M,
-                "a taxel does not measure where on it a force acts; the error can be as large as the spacing of the sparsest \
-                 taxels and the depth of the contact",
+                "a taxel does not measure where on it a force acts; the error can be as large as the spacing of the \
+                 sparsest taxels and the depth of the contact",
             ),
-            "largest_static_residual" => (
-                STATIC_RESIDUAL,
-                "an arm that counts as resting may still gain 5e-3 rad/s within 0.1 s",
-            ),
-            "energy_residual" => (
-                0.02,
-                "first order in the step, within which impacts and dampers are not resolved",
-            ),
+            "largest_static_residual" => {
+                (STATIC_RESIDUAL, "an arm that counts as resting may still gain 5e-3 rad/s within 0.1 s")
+            }
+            "energy_residual" => (0.02, "first order in the step, within which impacts and dampers are not resolved"),
             "integrator_energy_share" => (0.05, "first order in the step, which is 5 ms by default"),
-            "largest_contact_residual" => (
-                1e-5,
-                "the contact solver stops at 1e-6; ten times that means that it did not converge",
-            ),
-            "deepest_penetration_m" => (
-                DEEPEST_M,
-                "the skin's cover is a few millimetres thick; a link any deeper is inside the object",
-            ),
+            "largest_contact_residual" => {
+                (1e-5, "the contact solver stops at 1e-6; ten times that means that it did not converge")
+            }
+            "deepest_penetration_m" => {
+                (DEEPEST_M, "the skin's cover is a few millimetres thick; a link any deeper is inside the object")
+            }
             "overlap_without_patch_m" => (0.0, "shapes that overlap must press on each other"),
-            "largest_frame_force_jump_n" => (20.0, "more than a taxel's largest force of 17 N from one frame to the next"),
+            "largest_frame_force_jump_n" => {
+                (20.0, "more than a taxel's largest force of 17 N from one frame to the next")
+            }
             _ => return None,
         };
         Some(Bound { field, max, reason })
@@ -160,9 +156,8 @@ impl Auditor {
         let audit = &mut self.audit;
         audit.largest_contact_residual = audit.largest_contact_residual.max(step.contact_residual);
         audit.overlap_without_patch_m = audit.overlap_without_patch_m.max(step.missed_overlap_m);
-        for contact in step.contacts {
-            audit.deepest_penetration_m = audit.deepest_penetration_m.max(contact.penetration_m);
-        }
+        let depths_m = step.contacts.iter().map(|contact| contact.penetration_m);
+        audit.deepest_penetration_m = depths_m.fold(audit.deepest_penetration_m, f64::max);
         let jump = self.step_force.observe(step.contacts, FRAME_PERIOD_S / step.physics.step_s);
         audit.largest_step_force_jump_n = audit.largest_step_force_jump_n.max(jump);
     }

@@ -48,9 +48,8 @@ pub(super) fn draw_goals(
     for number in 0..settings.count {
         let mut rejected = Rejected::default();
         let goal = (0..GOAL_TRIES).find_map(|_| {
-            let draw = |own: Draw, random: &mut ChaCha8Rng| own.draw(random, PLACE_M).ok();
-            let goal =
-                DVec3::new(draw(settings.x_m, random)?, draw(settings.y_m, random)?, draw(settings.z_m, random)?);
+            let mut draw = |own: Draw| own.draw(random, PLACE_M).ok();
+            let goal = DVec3::new(draw(settings.x_m)?, draw(settings.y_m)?, draw(settings.z_m)?);
             if rejected.sought() >= POSTURE_TRIES {
                 return None;
             }
@@ -60,10 +59,10 @@ pub(super) fn draw_goals(
                 return None;
             }
             match surroundings.admit(&arm.arm, goal, for_postures) {
-                Admission::Free => return Some(goal),
-                Admission::Blocked(by) => *rejected.blocked.entry(by).or_default() += 1,
-                Admission::NoPosture if arm.shoulder_world.distance(goal) > arm.length_m => rejected.beyond_length += 1,
-                Admission::NoPosture => rejected.no_posture += 1,
+                Ok(()) => return Some(goal),
+                Err(Some(by)) => *rejected.blocked.entry(by).or_default() += 1,
+                Err(None) if arm.shoulder_world.distance(goal) > arm.length_m => rejected.beyond_length += 1,
+                Err(None) => rejected.no_posture += 1,
             }
             None
         });
@@ -71,7 +70,7 @@ pub(super) fn draw_goals(
             let first = arm.arm.skin.layout.patches.first().filter(|_| rejected.beside == rejected.tried);
             let skin =
                 first.map(|own| format!("; the skin here is its first patch, {} of link {}", own.name, own.link));
-            let found = format!("no goal number {} in {rejected}{}", number + 1, skin.unwrap_or_default());
+            let found = format!("no goal number {} in {}{}", number + 1, rejected.text(), skin.unwrap_or_default());
             let allowed = match first {
                 Some(_) => "goals among the objects, or a first patch in the skin file that is farther from the base",
                 None => "ranges of goals among the objects, where the arm has room",
@@ -85,7 +84,7 @@ pub(super) fn draw_goals(
 }
 
 /// How many places of a goal were rejected, and why, for the error message.
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct Rejected {
     tried: usize,
     beside: usize,
@@ -102,18 +101,16 @@ impl Rejected {
     fn sought(&self) -> usize {
         self.beyond_length + self.no_posture + self.blocked.values().sum::<usize>()
     }
-}
 
-impl std::fmt::Display for Rejected {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "{} places: on a straight way to {} the skin meets no plant, {} are farther than the arm is long, {} are out of \
-             reach within the limits of its joints",
-            self.tried, self.beside, self.beyond_length, self.no_posture
-        )?;
-        let mut blocked = self.blocked.iter();
-        blocked.try_for_each(|(by, count)| write!(f, ", at {count} every posture found is too close to {by}"))
+    fn text(&self) -> String {
+        let Rejected { tried, beside, beyond_length, no_posture, blocked } = self;
+        let blocked =
+            blocked.iter().map(|(by, count)| format!(", at {count} every posture found is too close to {by}"));
+        format!(
+            "{tried} places: on a straight way to {beside} the skin meets no plant, {beyond_length} are farther than the arm \
+             is long, {no_posture} are out of reach within the limits of its joints{}",
+            blocked.collect::<String>()
+        )
     }
 }
 
@@ -126,16 +123,6 @@ struct Surroundings {
     /// Whether each collision shape of the arm is clear in the start posture. Of a base that stands on the table, some
     /// never are, and these are not compared.
     clear_at_start: Vec<bool>,
-}
-
-/// Whether an arm can be at a place.
-enum Admission {
-    /// It has a free posture there.
-    Free,
-    /// It can reach the place, but no free posture was found; what is in the way of the last one.
-    Blocked(&'static str),
-    /// It cannot reach the place.
-    NoPosture,
 }
 
 impl Surroundings {
@@ -154,25 +141,28 @@ impl Surroundings {
         surroundings
     }
 
-    /// Looks for a posture with the end effector at `goal`, first from the arm's start posture.
-    fn admit(&self, arm: &Arm, goal: DVec3, random: &mut ChaCha8Rng) -> Admission {
+    /// Looks for a free posture with the end effector at `goal`, first from the arm's start posture.
+    ///
+    /// # Errors
+    /// What is in the way of the last posture that was found; `None` if the arm cannot reach the goal.
+    fn admit(&self, arm: &Arm, goal: DVec3, random: &mut ChaCha8Rng) -> Result<(), Option<&'static str>> {
         let mut start_rad = arm.start_posture_rad();
         let mut blocked = None;
         for starts in 1..=STARTS {
             if let Some(posture_rad) = arm.posture_at(goal, &start_rad) {
                 blocked = self.in_the_way_of_all(arm, &posture_rad);
                 if blocked.is_none() {
-                    return Admission::Free;
+                    return Ok(());
                 }
             }
             if blocked.is_none() && starts >= STARTS_WITHIN_REACH {
-                return Admission::NoPosture;
+                return Err(None);
             }
             for (angle, joint) in start_rad.iter_mut().zip(&arm.joints) {
                 *angle = joint.at_share(random.next_u32() as f64 / f64::from(u32::MAX));
             }
         }
-        blocked.map_or(Admission::NoPosture, Admission::Blocked)
+        Err(blocked)
     }
 
     fn in_the_way_of_all(&self, arm: &Arm, posture_rad: &[f64]) -> Option<&'static str> {

@@ -6,8 +6,8 @@ use underbrush_recording::{InputError, Limits};
 
 use super::PlacedObject;
 use crate::arm::ArmAtStart;
+use crate::object::Footing;
 use crate::object::structure::CollisionGroup;
-use crate::object::{Footing, StandsOn};
 use crate::range::{Draw, PLACE_M, YAW_DEG};
 use crate::scene::{Scene, Workspace};
 
@@ -38,14 +38,12 @@ pub(super) fn place_all(
                 let yaw_rad = draw(group.place.yaw_deg, [-180.0, 180.0], YAW_DEG).to_radians();
                 let x = draw(group.place.x_m, workspace.x_m, PLACE_M);
                 let center = DVec2::new(x, draw(group.place.y_m, workspace.y_m, PLACE_M));
-                let Some((footing, stands_on)) = ground(group.stands_on, workspace, &objects, center) else {
+                let Some((footing, stands_on)) = ground(group.needs_foam, workspace, &objects, center) else {
                     rejected.no_foam += 1;
                     continue;
                 };
-                let (object, drawn) = group.draw(random, &footing).map_err(|error| {
-                    let field = format!("{field}.{}", error.name);
-                    scene.fault(&field, error, "a range most of whose values are physically possible")
-                })?;
+                let drawn = group.draw(random, &footing).map_err(|error| scene.draw_fault(&field, error));
+                let (object, drawn) = drawn?;
                 let foot_world = center.extend(footing.height_m);
                 let placed = PlacedObject { object, category: group.category, foot_world, yaw_rad, stands_on, drawn };
                 if rejected.allows(&placed, &objects, arm) {
@@ -54,7 +52,8 @@ pub(super) fn place_all(
                 }
             }
             objects.push(found.ok_or_else(|| {
-                let allowed = format!("no more objects than there is room for; {done} were placed; {rejected}");
+                let allowed =
+                    format!("no more objects than there is room for; {done} were placed; {}", rejected.text());
                 scene.fault(&format!("{field}.count"), group.count, allowed)
             })?);
         }
@@ -63,7 +62,7 @@ pub(super) fn place_all(
 }
 
 /// How many proposed places were rejected, and why, for the error message.
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct Rejections {
     no_foam: usize,
     overlap: usize,
@@ -100,15 +99,12 @@ impl Rejections {
         }
         true
     }
-}
 
-impl std::fmt::Display for Rejections {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "of {PLACES} places tried for the next one, {} overlapped another object, {} were too close to the arm's \
-             start posture, {} were beside the table and {} had no foam to stand in",
-            self.overlap, self.arm, self.beside, self.no_foam
+    fn text(&self) -> String {
+        let Rejections { no_foam, overlap, arm, beside } = self;
+        format!(
+            "of {PLACES} places tried for the next one, {overlap} overlapped another object, {arm} were too close to the arm's \
+             start posture, {beside} were beside the table and {no_foam} had no foam to stand in"
         )
     }
 }
@@ -125,17 +121,17 @@ fn may_overlap(a: &PlacedObject, b: &PlacedObject) -> bool {
 
 /// What an object at this place would stand on, and the object whose foam it is, if it needs foam; `None` if there is none.
 fn ground(
-    stands_on: StandsOn,
+    needs_foam: bool,
     workspace: &Workspace,
     objects: &[PlacedObject],
     center: DVec2,
 ) -> Option<(Footing, Option<usize>)> {
-    match stands_on {
-        StandsOn::Table => Some((Footing { height_m: workspace.table_height_m, foam_modulus_pa: None }, None)),
-        StandsOn::Foam => objects.iter().enumerate().find_map(|(index, block)| {
-            let (modulus, height) = block.object.foam_top()?;
-            let footing = Footing { height_m: block.foot_world.z + height, foam_modulus_pa: Some(modulus) };
-            block.laid().contains(center, BLOCK_MARGIN_M).then_some((footing, Some(index)))
-        }),
+    if !needs_foam {
+        return Some((Footing { height_m: workspace.table_height_m, foam_modulus_pa: None }, None));
     }
+    objects.iter().enumerate().find_map(|(index, block)| {
+        let (modulus, height) = block.object.foam_top()?;
+        let footing = Footing { height_m: block.foot_world.z + height, foam_modulus_pa: Some(modulus) };
+        block.laid().contains(center, BLOCK_MARGIN_M).then_some((footing, Some(index)))
+    })
 }

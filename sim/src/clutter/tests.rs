@@ -146,7 +146,7 @@ fn leaves_and_trunks_stand_in_foam() {
         let kinds: Vec<_> = clutter.objects.iter().map(|placed| placed.object.kind()).collect();
         assert!(kinds.contains(&kind) && kinds.contains(&"foam_block"), "{kinds:?}");
         let block = clutter.objects.iter().find(|placed| placed.object.kind() == "foam_block");
-        let top_m = block.unwrap().foot_world.z + block.unwrap().object.height_m();
+        let top_m = block.unwrap().foot_world.z + block.unwrap().object.size().1;
         let plant = clutter.objects.iter().find(|placed| placed.object.kind() == kind);
         let foot_m = plant.unwrap().foot_world.z;
         assert_eq!(foot_m, if kind == "leaf" { top_m } else { -0.58 });

@@ -53,10 +53,8 @@ impl Pair<'_> {
     /// relative curvature. Strips lie along the second tangent.
     pub fn plane(&self, origin_world: DVec3, normal_world: DVec3) -> Plane {
         let strip = self.box_edge(normal_world).or_else(|| self.most_curved(normal_world));
-        let second = strip.map_or_else(
-            || normal_world.any_orthonormal_vector(),
-            |strip| strip.reject_from_normalized(normal_world).normalize_or(normal_world.any_orthonormal_vector()),
-        );
+        let in_plane = strip.map_or(DVec3::ZERO, |strip| strip.reject_from_normalized(normal_world));
+        let second = in_plane.normalize_or(normal_world.any_orthonormal_vector());
         let first = second.cross(normal_world);
         Plane { origin_world, normal_world, tangents_world: [first, second] }
     }
@@ -117,24 +115,15 @@ impl Pair<'_> {
 
     /// The longest edge of a box that lies in the tangent plane; for two boxes, the edge of the more slender one.
     fn box_edge(&self, normal_world: DVec3) -> Option<DVec3> {
-        let mut found: Option<(f64, DVec3)> = None;
-        for (shape, pose) in self.shapes.iter().zip(&self.poses_world) {
-            let TypedShape::Cuboid(cuboid) = shape.as_typed_shape() else {
-                continue;
-            };
+        let edges = self.shapes.iter().zip(&self.poses_world).filter_map(|(shape, pose)| {
+            let TypedShape::Cuboid(cuboid) = shape.as_typed_shape() else { return None };
             let half = cuboid.half_extents;
-            let axes = [(half.x, DVec3::X), (half.y, DVec3::Y), (half.z, DVec3::Z)]
-                .map(|(half, axis)| (half, pose.transform_vector(axis)));
-            let in_plane = axes.iter().filter(|(_, axis)| axis.dot(normal_world).abs() < 0.8);
-            let Some((_, edge)) = in_plane.max_by(|a, b| a.0.total_cmp(&b.0)) else {
-                continue;
-            };
-            let thinnest = half.min_element();
-            if found.is_none_or(|(thinner, _)| thinnest < thinner) {
-                found = Some((thinnest, *edge));
-            }
-        }
-        found.map(|(_, edge)| edge)
+            let axes = DVec3::AXES.map(|axis| (half.dot(axis), pose.transform_vector(axis)));
+            let in_plane = axes.into_iter().filter(|(_, axis)| axis.dot(normal_world).abs() < 0.8);
+            let (_, edge) = in_plane.max_by(|a, b| a.0.total_cmp(&b.0))?;
+            Some((half.min_element(), edge))
+        });
+        edges.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, edge)| edge)
     }
 
     /// The direction in the tangent plane in which the two surfaces part fastest. Strips along it are short, and strips

@@ -88,14 +88,11 @@ impl Preset {
             rate_hz: 100.0,
             contact_stiffness_n_per_m: 1000.0,
             force_limit_n: 5.0,
-            ignored_force_n: 1.0,
             // 10 N/s at 100 Hz.
             force_rise_n: 0.1,
-            force_fall_n: 10.0,
             over_limit_force_change_n: -0.01,
             over_limit_force_reduction_n: 0.2,
             force_weight: 1.0,
-            position_weight: 1.0,
             torque_change_weight: 1e-5,
             // 0.2 m/s; the paper's "very slow" is 0.05 m/s, its "fast" 0.3 m/s.
             end_effector_step_m: 0.002,
@@ -104,7 +101,8 @@ impl Preset {
             equilibrium_step_rad: None,
             equilibrium_offset_rad: None,
             equilibrium_reset_rad: None,
-            floor_height_m: f64::NEG_INFINITY,
+            // Both have these: contacts from 1 N on, a fall of 10 N, and the weight 1 of the position.
+            ..Preset::cody_2013()
         }
     }
 

@@ -71,16 +71,12 @@ impl QuadraticProgram {
         let singular = Unsolved::NotPositiveDefinite;
         let lower = self.hessian.clone().cholesky().ok_or(singular)?.l();
         let normals = lower.solve_lower_triangular(&self.constraints.transpose()).ok_or(singular)?;
-        let start = lower.solve_lower_triangular(&-&self.gradient).ok_or(singular)?;
-        let mut search = Search {
-            normals,
-            bounds: &self.bounds,
-            start_norm: start.norm(),
-            point: start,
-            active: Vec::new(),
-            multipliers: Vec::new(),
-            basis: Basis::new(variables),
-        };
+        let point = lower.solve_lower_triangular(&-&self.gradient).ok_or(singular)?;
+        let zeros = DMatrix::zeros(variables, variables);
+        let basis = Basis { vectors: zeros.clone(), triangle: zeros, size: 0 };
+        let (bounds, start_norm) = (&self.bounds, point.norm());
+        let (active, multipliers) = (Vec::new(), Vec::new());
+        let mut search = Search { normals, bounds, start_norm, point, active, multipliers, basis };
         // In exact arithmetic no active set occurs twice. In practice a constraint is added and dropped a few times.
         let max_iterations = 50 * (variables + count + 1);
         let mut iterations = 0;
@@ -91,10 +87,8 @@ impl QuadraticProgram {
                 if iterations > max_iterations {
                     return Err(Unsolved::IterationLimit);
                 }
-                match search.advance(violated, &mut multiplier) {
-                    Step::TakenIn => break,
-                    Step::Dropped => {}
-                    Step::Blocked => return Err(Unsolved::Infeasible),
+                if search.advance(violated, &mut multiplier)? {
+                    break;
                 }
             }
         }
@@ -116,24 +110,13 @@ struct Search<'a> {
     basis: Basis,
 }
 
-enum Step {
-    /// The violated constraint is active now.
-    TakenIn,
-    /// An active constraint had to be dropped; the violated one is still violated.
-    Dropped,
-    /// Neither is possible.
-    Blocked,
-}
-
 impl Search<'_> {
     /// The inactive constraint that the point violates most, measured as a distance.
     fn most_violated(&self) -> Option<usize> {
         let mut worst = None;
         let mut deepest = 0.0;
-        for (index, normal) in self.normals.column_iter().enumerate() {
-            if self.active.contains(&index) {
-                continue;
-            }
+        let all = self.normals.column_iter().enumerate();
+        for (index, normal) in all.filter(|(index, _)| !self.active.contains(index)) {
             let length = normal.norm();
             let value = normal.dot(&self.point) - self.bounds[index];
             // Near the origin the point is small, but its rounding error is that of the starting point.
@@ -148,14 +131,13 @@ impl Search<'_> {
     }
 
     /// One step of the dual method towards a violated constraint, whose multiplier so far is `multiplier`
-    /// (Goldfarb and Idnani, section 3, step 2).
-    fn advance(&mut self, violated: usize, multiplier: &mut f64) -> Step {
+    /// (Goldfarb and Idnani, section 3, step 2). Returns whether the constraint is active now. If not, an active one had to be
+    /// dropped. Fails if neither is possible.
+    fn advance(&mut self, violated: usize, multiplier: &mut f64) -> Result<bool, Unsolved> {
         let normal = self.normals.column(violated).into_owned();
         // z is the part of the normal orthogonal to the active normals; r expresses the rest as their combination.
         let (direction, along) = self.basis.split(&normal);
-        let Some(combination) = self.basis.combination(&along) else {
-            return Step::Blocked;
-        };
+        let combination = self.basis.combination(&along).ok_or(Unsolved::Infeasible)?;
         let independent = self.active.len() < self.point.len() && direction.norm() > DEPENDENCE * normal.norm();
         // The longest step that keeps the multipliers of the active constraints from turning negative.
         let mut dual_step = f64::INFINITY;
@@ -170,7 +152,7 @@ impl Search<'_> {
         let full_step = if independent { gap.max(0.0) / direction.norm_squared() } else { f64::INFINITY };
         let step = dual_step.min(full_step);
         if !step.is_finite() {
-            return Step::Blocked;
+            return Err(Unsolved::Infeasible);
         }
         for (value, share) in self.multipliers.iter_mut().zip(&combination) {
             *value = (*value - step * share).max(0.0);
@@ -188,13 +170,13 @@ impl Search<'_> {
                     let (direction, along) = self.basis.split(&self.normals.column(*index).into_owned());
                     self.basis.push(&direction, &along);
                 }
-                Step::Dropped
+                Ok(false)
             }
             _ => {
                 self.active.push(violated);
                 self.multipliers.push(*multiplier);
                 self.basis.push(&direction, &along);
-                Step::TakenIn
+                Ok(true)
             }
         }
     }
@@ -208,11 +190,6 @@ struct Basis {
 }
 
 impl Basis {
-    fn new(variables: usize) -> Self {
-        let zeros = DMatrix::zeros(variables, variables);
-        Basis { vectors: zeros.clone(), triangle: zeros, size: 0 }
-    }
-
     /// The part of `vector` orthogonal to the set, and the coordinates of the rest in Q.
     fn split(&self, vector: &DVector<f64>) -> (DVector<f64>, DVector<f64>) {
         let vectors = self.vectors.columns(0, self.size);

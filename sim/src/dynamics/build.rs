@@ -3,7 +3,7 @@
 use glam::DMat3;
 use underbrush_recording::Pose;
 
-use super::{Coordinate, EndStop, Link, Scratch, Tree};
+use super::{Coordinate, EndStop, Link, Tree};
 use crate::arm::Arm;
 use crate::object::structure::{Axis, Spring, Structure};
 
@@ -16,15 +16,9 @@ const STOP_LOSS_TIME_S: f64 = 0.02;
 impl Tree {
     /// A tree that has only its ground yet, at this pose. Gravity acts on its links if it `weighs`.
     pub fn new(ground_world: Pose, weighs: bool) -> Self {
-        Tree {
-            links: vec![Link { pose_world: ground_world, ..Link::new(0, Pose::IDENTITY) }],
-            coordinates: Vec::new(),
-            weighs,
-            pushes: Vec::new(),
-            inertia: Vec::new(),
-            grips: Vec::new(),
-            scratch: Scratch::default(),
-        }
+        let links = vec![Link { pose_world: ground_world, ..Link::new(0, Pose::IDENTITY) }];
+        let (coordinates, pushes, inertia, grips, scratch) = Default::default();
+        Tree { links, coordinates, weighs, pushes, inertia, grips, scratch }
     }
 
     /// Adds a link on a joint with these degrees of freedom, and returns its index. All translations come before the rotations. Of two

@@ -131,12 +131,10 @@ impl Tree {
         accelerations.clear();
         forces.clear();
         inertias.clear();
-        for (index, link) in self.links.iter().enumerate() {
-            let (mut velocity, mut acceleration) = if index == 0 {
-                (Spatial::default(), Spatial::default())
-            } else {
-                (velocities[link.parent], accelerations[link.parent])
-            };
+        for link in &self.links {
+            // The ground is its own parent, and has none of either.
+            let of_parent = |list: &[Spatial]| list.get(link.parent).copied().unwrap_or_default();
+            let (mut velocity, mut acceleration) = (of_parent(velocities), of_parent(accelerations));
             let carried = velocity;
             let is_ball = link.is_ball;
             let point = link.pose_world.position - about;

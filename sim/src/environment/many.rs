@@ -82,14 +82,12 @@ impl Environments {
         let mut stepped: Vec<Option<Result<Stepped, ReachError>>> = (0..count).map(|_| None).collect();
         let rows = self.all.iter_mut().zip(actions.chunks(width)).zip(observations.chunks_mut(size));
         let rows = Mutex::new(rows.zip(&mut stepped));
+        // The lock is held while a row is taken, not while its environment steps.
+        let next = || rows.lock().unwrap_or_else(PoisonError::into_inner).next();
         let work = || {
-            loop {
-                // The lock is held while a row is taken, not while its environment steps.
-                let next = rows.lock().unwrap_or_else(PoisonError::into_inner).next();
-                let Some((((environment, action), row), found)) = next else {
-                    break;
-                };
-                *found = Some(step_or_begin(environment, action, row));
+            while let Some((((environment, action), row), found)) = next() {
+                let step = environment.step(action, row).transpose();
+                *found = Some(step.unwrap_or_else(|| Ok(environment.reset(None, row)?)));
             }
         };
         match helpers {
@@ -102,13 +100,5 @@ impl Environments {
             _ => work(),
         }
         stepped.into_iter().flatten().collect()
-    }
-}
-
-/// Takes a step, or begins a new episode if the last step ended one.
-fn step_or_begin(environment: &mut Environment, action: &[f64], row: &mut [f32]) -> Result<Stepped, ReachError> {
-    match environment.step(action, row)? {
-        Some(stepped) => Ok(stepped),
-        None => Ok(environment.reset(None, row)?),
     }
 }

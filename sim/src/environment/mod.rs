@@ -72,7 +72,6 @@ struct Episode {
     steering: Steering,
     reach_index: u64,
     goal: usize,
-    goals: usize,
     /// Time spent on the goal, s.
     time_s: f64,
 }
@@ -136,16 +135,8 @@ impl Environment {
         // Before the draw, so that an impossible draw is not tried again.
         self.next += 1;
         let simulation = self.plan.simulation(reach_index)?;
-        let goals = simulation.clutter().goals.len().min(self.options.goals as usize);
-        let episode = Episode {
-            steering: Steering::new(&self.plan),
-            simulation,
-            ended: false,
-            reach_index,
-            goal: 0,
-            goals,
-            time_s: 0.0,
-        };
+        let steering = Steering::new(&self.plan);
+        let episode = Episode { simulation, ended: false, steering, reach_index, goal: 0, time_s: 0.0 };
         episode.observe(&self.parts, observation);
         let distance_m = episode.distance_m();
         self.episode = Some(episode);
@@ -162,9 +153,7 @@ impl Environment {
     /// If `action` does not have [`Environment::action_size`] numbers, or `observation` too few places.
     pub fn step(&mut self, action: &[f64], observation: &mut [f32]) -> Result<Option<Stepped>, ReachError> {
         assert_eq!(action.len(), self.action_size(), "numbers of an action");
-        let Some(episode) = self.episode.as_mut().filter(|episode| !episode.ended) else {
-            return Ok(None);
-        };
+        let Some(episode) = self.episode.as_mut().filter(|episode| !episode.ended) else { return Ok(None) };
         let stepped = episode.step(&self.plan, &self.options, action)?;
         episode.observe(&self.parts, observation);
         episode.ended = stepped.terminated || stepped.truncated;
@@ -231,7 +220,7 @@ impl Episode {
             (found.terminated, found.outcome) = (true, Some(Outcome::Aborted));
         } else if found.distance_m < plan.rules.reached_distance_m {
             found.reward += reward.reached;
-            if self.goal + 1 == self.goals {
+            if self.goal + 1 == self.simulation.clutter().goals.len().min(options.goals as usize) {
                 (found.terminated, found.outcome) = (true, Some(Outcome::Reached));
             } else {
                 (self.goal, self.time_s) = (self.goal + 1, 0.0);

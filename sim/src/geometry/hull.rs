@@ -34,12 +34,11 @@ pub fn convex_hull(corners: &[DVec3]) -> Option<SharedShape> {
     let faces = faces(&corners, near_m);
     // Corners within the hull belong to no face, and parry takes none without.
     let used: BTreeSet<usize> = faces.iter().flatten().copied().collect();
-    let used: Vec<usize> = used.into_iter().collect();
-    let place = |corner: usize| used.binary_search(&corner).ok().map(|place| place as u32);
+    let place = |corner: usize| used.range(..corner).count() as u32;
     let triangles = faces.iter().flat_map(|face| (2..face.len()).map(|last| [face[0], face[last - 1], face[last]]));
-    let triangles: Option<Vec<[u32; 3]>> = triangles.map(|[a, b, c]| Some([place(a)?, place(b)?, place(c)?])).collect();
+    let triangles: Vec<[u32; 3]> = triangles.map(|own| own.map(place)).collect();
     let points = used.iter().map(|corner| corners[*corner]).collect();
-    SharedShape::convex_mesh(points, &triangles?)
+    SharedShape::convex_mesh(points, &triangles)
 }
 
 /// The corners of each face, counterclockwise from outside.
@@ -55,16 +54,10 @@ fn faces(corners: &[DVec3], near_m: f64) -> BTreeSet<Vec<usize>> {
                     continue;
                 }
                 let normal = normal.normalize();
-                let (mut below, mut above) = (false, false);
-                for corner in corners {
-                    let height = (*corner - corners[a]).dot(normal);
-                    (below, above) = (below || height < -near_m, above || height > near_m);
-                    // Most planes have corners on both sides, and soon show it.
-                    if below && above {
-                        break;
-                    }
-                }
-                let outward = match (below, above) {
+                let mut heights = corners.iter().map(|corner| (*corner - corners[a]).dot(normal));
+                // Most planes have corners on both sides, and soon show it.
+                let below = heights.clone().any(|height| height < -near_m);
+                let outward = match (below, heights.any(|height| height > near_m)) {
                     (true, false) => normal,
                     (false, true) => -normal,
                     _ => continue,

@@ -135,12 +135,8 @@ impl FoamBlock {
 }
 
 impl Object for FoamBlock {
-    fn footprint(&self) -> Footprint {
-        Footprint::Rectangle(LENGTH_M / 2.0, WIDTH_M / 2.0)
-    }
-
-    fn height_m(&self) -> f64 {
-        self.height_m
+    fn size(&self) -> (Footprint, f64) {
+        (Footprint::Rectangle(LENGTH_M / 2.0, WIDTH_M / 2.0), self.height_m)
     }
 
     fn structure(&self, gravity_m_per_s2: f64) -> Structure {

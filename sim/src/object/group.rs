@@ -9,7 +9,7 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use underbrush_recording::{Category, Limits};
 
-use super::{CATEGORIES, Footing, Object, StandsOn};
+use super::{CATEGORIES, Footing, Object};
 use crate::range::{Draw, DrawError, Limited, Placement, schema_within};
 
 /// A quantity of a kind of objects. The key of the scene file, its schema, default and limits follow from it.
@@ -33,8 +33,8 @@ pub trait Kind: Object + Clone + Sized + 'static {
     const QUANTITIES: &'static [Declared];
     /// Its ground-truth category, unless a group names another.
     const CATEGORY: Category;
-    /// What it must stand on.
-    const STANDS_ON: StandsOn = StandsOn::Table;
+    /// Whether it must stand on a foam block, and not on the table beneath the foam.
+    const NEEDS_FOAM: bool = false;
 
     /// Draws one object. `footing` is what it stands on.
     ///
@@ -62,8 +62,8 @@ pub struct Specification {
     pub place: Placement,
     /// Their ground-truth category: that of the kind, unless the group names another.
     pub category: Category,
-    /// What the objects must stand on.
-    pub stands_on: StandsOn,
+    /// Whether the objects must stand on foam blocks.
+    pub needs_foam: bool,
     /// The quantities that the kind declares.
     declarations: &'static [Declared],
     /// Their ranges, in the order of their declarations.
@@ -211,7 +211,7 @@ impl<'de, K: Kind> Deserialize<'de> for Group<K> {
                     count: count.ok_or_else(|| A::Error::missing_field("count"))?,
                     place,
                     category,
-                    stands_on: K::STANDS_ON,
+                    needs_foam: K::NEEDS_FOAM,
                     declarations: K::QUANTITIES,
                     ranges,
                     draw_object: |drawing, footing| Ok(Box::new(K::draw(drawing, footing)?)),

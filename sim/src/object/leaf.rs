@@ -6,7 +6,7 @@ use underbrush_recording::Category;
 use super::{
     Axis, Blade, Body, COLLISION_THICKNESS_M, CollisionGroup, Declared, Drawing, EARTH_GRAVITY_M_PER_S2, FRICTION,
     Footing, Grip, Hinge, Joint, Kind, NEVER_PULLED_N, NEVER_YIELDS_NM, Object, Parameters, SHEET_TORSION_OVER_BENDING,
-    StandsOn, Structure, grip, on_root, quantities, root_stiffness_nm_per_rad, yields,
+    Structure, grip, on_root, quantities, root_stiffness_nm_per_rad, yields,
 };
 use crate::{Draw, DrawError, Footprint, Surface};
 
@@ -61,7 +61,7 @@ impl Kind for Leaf {
     );
     const QUANTITIES: &'static [Declared] = DrawnLeaf::DECLARED;
     const CATEGORY: Category = Category::LEAF;
-    const STANDS_ON: StandsOn = StandsOn::Foam;
+    const NEEDS_FOAM: bool = true;
 
     fn draw(drawing: &mut Drawing<'_>, footing: &Footing) -> Result<Self, DrawError> {
         let draw = |drawing: &mut Drawing<'_>| {
@@ -203,16 +203,12 @@ impl Leaf {
 }
 
 impl Object for Leaf {
-    fn footprint(&self) -> Footprint {
-        Footprint::Disc(self.width_m / 2.0)
+    fn size(&self) -> (Footprint, f64) {
+        (Footprint::Disc(self.width_m / 2.0), self.height_m)
     }
 
     fn half_sizes_m(&self) -> [f64; 2] {
         [COLLISION_THICKNESS_M / 2.0, self.width_m / 2.0]
-    }
-
-    fn height_m(&self) -> f64 {
-        self.height_m
     }
 
     fn structure(&self, _: f64) -> Structure {

@@ -91,15 +91,6 @@ pub trait Listed {
     fn parameters(&self) -> Parameters;
 }
 
-/// What an object must stand on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StandsOn {
-    /// The table beneath the foam.
-    Table,
-    /// The top of a foam block.
-    Foam,
-}
-
 /// What an object stands on once it is placed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Footing {
@@ -126,17 +117,15 @@ pub trait Object: Listed + std::fmt::Debug + Send + Sync {
     fn passes_through_foam(&self) -> bool {
         false
     }
-    /// Its ground area at rest.
-    fn footprint(&self) -> Footprint;
+    /// Its ground area at rest, and its height over its foot, m.
+    fn size(&self) -> (Footprint, f64);
     /// Half its thickness along its own x and y, m, for clearance queries.
     fn half_sizes_m(&self) -> [f64; 2] {
-        match self.footprint() {
+        match self.size().0 {
             Footprint::Disc(radius) => [radius, radius],
             Footprint::Rectangle(x, y) => [x, y],
         }
     }
-    /// Its height over its foot, m.
-    fn height_m(&self) -> f64;
     /// Its bodies, joints and springs at rest under this gravity, m/s².
     fn structure(&self, gravity_m_per_s2: f64) -> Structure;
     /// The body of its structure that carries what stands on it, if it can move away with it.

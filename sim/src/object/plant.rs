@@ -8,7 +8,7 @@ use underbrush_recording::{BodyShape, Category, Pose};
 use super::{
     Axis, Blade, Body, COLLISION_THICKNESS_M, CollisionGroup, Declared, Drawing, EARTH_GRAVITY_M_PER_S2, FRICTION,
     Footing, Grip, Hinge, Inertia, Joint, Kind, NEVER_PULLED_N, Object, Parameters, SHEET_TORSION_OVER_BENDING, Spring,
-    StandsOn, Structure, gauss_legendre, grip, on_root, part, quantities, root_stiffness_nm_per_rad, yields,
+    Structure, gauss_legendre, grip, on_root, part, quantities, root_stiffness_nm_per_rad, yields,
 };
 use crate::{Draw, DrawError, Footprint, Surface};
 
@@ -103,7 +103,7 @@ impl Kind for Plant {
     );
     const QUANTITIES: &'static [Declared] = DrawnPlant::DECLARED;
     const CATEGORY: Category = Category::LEAF;
-    const STANDS_ON: StandsOn = StandsOn::Foam;
+    const NEEDS_FOAM: bool = true;
 
     fn draw(drawing: &mut Drawing<'_>, footing: &Footing) -> Result<Self, DrawError> {
         let draw = |drawing: &mut Drawing<'_>| {
@@ -307,13 +307,9 @@ impl Plant {
 }
 
 impl Object for Plant {
-    /// A disc under all blades, so that those of two plants do not start within each other.
-    fn footprint(&self) -> Footprint {
-        Footprint::Disc(self.extent.radius_m)
-    }
-
-    fn height_m(&self) -> f64 {
-        self.drawn.height_m.max(self.extent.highest_m)
+    /// On a disc under all blades, so that those of two plants do not start within each other.
+    fn size(&self) -> (Footprint, f64) {
+        (Footprint::Disc(self.extent.radius_m), self.drawn.height_m.max(self.extent.highest_m))
     }
 
     fn structure(&self, gravity_m_per_s2: f64) -> Structure {

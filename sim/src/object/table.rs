@@ -38,12 +38,8 @@ impl Object for Table {
         true
     }
 
-    fn footprint(&self) -> Footprint {
-        Footprint::Rectangle(self.length_m / 2.0, self.width_m / 2.0)
-    }
-
-    fn height_m(&self) -> f64 {
-        0.0
+    fn size(&self) -> (Footprint, f64) {
+        (Footprint::Rectangle(self.length_m / 2.0, self.width_m / 2.0), 0.0)
     }
 
     fn structure(&self, _: f64) -> Structure {

@@ -42,12 +42,8 @@ impl Object for Trunk {
         true
     }
 
-    fn footprint(&self) -> Footprint {
-        Footprint::Disc(self.diameter_m / 2.0)
-    }
-
-    fn height_m(&self) -> f64 {
-        self.height_m
+    fn size(&self) -> (Footprint, f64) {
+        (Footprint::Disc(self.diameter_m / 2.0), self.height_m)
     }
 
     fn structure(&self, _: f64) -> Structure {

@@ -112,12 +112,8 @@ impl Object for WaterBottle {
         true
     }
 
-    fn footprint(&self) -> Footprint {
-        Footprint::Disc(self.radius_m())
-    }
-
-    fn height_m(&self) -> f64 {
-        self.height_m
+    fn size(&self) -> (Footprint, f64) {
+        (Footprint::Disc(self.radius_m()), self.height_m)
     }
 
     fn structure(&self, _: f64) -> Structure {

@@ -96,7 +96,7 @@ struct ContactLog {
 }
 
 /// One contact so far.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 struct Course {
     first_frame: u32,
     last_frame: u32,
@@ -109,12 +109,8 @@ impl ContactLog {
     fn observe(&mut self, frame: u32, pairs: &[(ContactPair, DVec3)]) {
         for (pair, force) in pairs {
             let force_n = force.length();
-            let course = self.open.entry(*pair).or_insert(Course {
-                first_frame: frame,
-                last_frame: frame,
-                peak_force_n: 0.0,
-                force_sum_n: 0.0,
-            });
+            let begun = Course { first_frame: frame, ..Course::default() };
+            let course = self.open.entry(*pair).or_insert(begun);
             course.last_frame = frame;
             course.peak_force_n = course.peak_force_n.max(force_n);
             course.force_sum_n += force_n;

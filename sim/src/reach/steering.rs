@@ -52,26 +52,25 @@ impl Steering {
         let link_poses = arm.forward_kinematics(&joint_angle_rad);
         let end_effector_pose_world = arm.end_effector_pose(&link_poses);
         let sensed = report.tactile.taxels.iter().filter(|taxel| taxel.sensed_force_n > 0.0);
-        let contacts: Vec<TaxelContact> = sensed
-            .map(|reading| {
-                let patch = usize::from(reading.patch);
-                let index = usize::from(reading.taxel);
-                let taxel = &arm.skin.layout.patches[patch].taxels[index];
-                let link = arm.skin.surfaces[patch].link;
-                let position_world = link_poses[link].transform_point(taxel.position_link);
-                TaxelContact {
-                    patch,
-                    taxel: index,
-                    link,
-                    position_world,
-                    position_jacobian: arm.position_jacobian(&link_poses, link, position_world),
-                    inward_normal_world: -link_poses[link].transform_vector(taxel.normal_link),
-                    force_n: reading.sensed_force_n,
-                    allowed_force_n: None,
-                    verdict: self.has_true_verdicts.then(|| true_verdict(reading, &simulation.clutter().objects)),
-                }
-            })
-            .collect();
+        let contact = |reading: &TaxelReading| {
+            let patch = usize::from(reading.patch);
+            let index = usize::from(reading.taxel);
+            let taxel = &arm.skin.layout.patches[patch].taxels[index];
+            let link = arm.skin.surfaces[patch].link;
+            let position_world = link_poses[link].transform_point(taxel.position_link);
+            TaxelContact {
+                patch,
+                taxel: index,
+                link,
+                position_world,
+                position_jacobian: arm.position_jacobian(&link_poses, link, position_world),
+                inward_normal_world: -link_poses[link].transform_vector(taxel.normal_link),
+                force_n: reading.sensed_force_n,
+                allowed_force_n: None,
+                verdict: self.has_true_verdicts.then(|| true_verdict(reading, &simulation.clutter().objects)),
+            }
+        };
+        let contacts = sensed.map(contact).collect();
         let end_effector_jacobian =
             arm.position_jacobian(&link_poses, arm.end_effector_link, end_effector_pose_world.position);
         let output = self.controller.control(&ControllerInput {

@@ -16,35 +16,26 @@ pub(super) fn objects_hash(text: &str) -> String {
 
 /// Adds a value, with a letter for its kind and the number of its parts.
 fn add(value: &Value, hasher: &mut Hasher) {
-    let begin = |hasher: &mut Hasher, kind: u8, parts: usize| {
-        hasher.update(&[kind]);
-        hasher.update(&(parts as u64).to_le_bytes());
-    };
-    let text = |hasher: &mut Hasher, text: &str| {
-        begin(hasher, b't', text.len());
-        hasher.update(text.as_bytes());
-    };
-    let number = |hasher: &mut Hasher, number: f64| {
-        begin(hasher, b'n', 1);
-        hasher.update(&number.to_le_bytes());
+    let mut put = |kind: u8, parts: usize, bytes: &[u8]| {
+        hasher.update(&[kind]).update(&(parts as u64).to_le_bytes()).update(bytes);
     };
     match value {
-        Value::Integer(whole) => number(hasher, *whole as f64),
-        Value::Float(real) => number(hasher, *real),
-        Value::Boolean(yes) => begin(hasher, b'b', usize::from(*yes)),
-        Value::String(string) => text(hasher, string),
-        Value::Datetime(time) => text(hasher, &time.to_string()),
+        Value::Integer(whole) => put(b'n', 1, &(*whole as f64).to_le_bytes()),
+        Value::Float(real) => put(b'n', 1, &real.to_le_bytes()),
+        Value::Boolean(yes) => put(b'b', usize::from(*yes), &[]),
+        Value::String(text) => put(b't', text.len(), text.as_bytes()),
+        Value::Datetime(time) => add(&time.to_string().into(), hasher),
         Value::Array(values) => {
-            begin(hasher, b'a', values.len());
+            put(b'a', values.len(), &[]);
             values.iter().for_each(|value| add(value, hasher));
         }
         Value::Table(table) => {
-            begin(hasher, b'o', table.len() - usize::from(table.contains_key("category")));
+            put(b'o', table.len() - usize::from(table.contains_key("category")), &[]);
             // What a group is called does not change how it is drawn.
             let mut keys: Vec<&String> = table.keys().filter(|key| *key != "category").collect();
             keys.sort();
             for key in keys {
-                text(hasher, key);
+                add(&key.as_str().into(), hasher);
                 add(&table[key], hasher);
             }
         }

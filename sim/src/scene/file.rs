@@ -218,9 +218,8 @@ macro_rules! define_objects {
             #[allow(unused_doc_comments, reason = "the entries' documentation is that of the fields")]
             pub fn groups(&self) -> Vec<(&'static str, usize, &Specification)> {
                 let mut groups = Vec::new();
-                $($(#[$attribute])* for (number, group) in self.$key.iter().enumerate() {
-                    groups.push((stringify!($key), number, &group.0));
-                })*
+                $($(#[$attribute])*
+                groups.extend(self.$key.iter().enumerate().map(|(number, own)| (stringify!($key), number, &own.0)));)*
                 groups
             }
         }

@@ -12,7 +12,7 @@ use underbrush_recording::{
 use crate::arm::Arm;
 use crate::materials::MaterialFile;
 use crate::object::COLLIDING_KINDS;
-use crate::range::{Limited, PLACE_M, Placement, YAW_DEG};
+use crate::range::{DrawError, Limited, PLACE_M, Placement, YAW_DEG};
 use crate::sensor::Fault;
 use content::objects_hash;
 
@@ -316,6 +316,12 @@ impl Scene {
 
     fn check_range(&self, place: &str, Limited { name, draw, limits }: Limited) -> Result<(), InputError> {
         self.refuse(draw.fault(limits).map(|(found, allowed)| (format!("{place}.{name}"), found, allowed)))
+    }
+
+    /// An error about a range at this place of the file from which nothing could be drawn.
+    pub(crate) fn draw_fault(&self, place: &str, error: DrawError) -> InputError {
+        let field = format!("{place}.{}", error.name);
+        self.fault(&field, error, "a range most of whose values are physically possible")
     }
 
     /// An error about this file, at the line that sets `field`.

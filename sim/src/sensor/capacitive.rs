@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Patch, math};
 
 use super::options::SensorOptions;
-use super::shared::{Converter, Noise};
+use super::shared::{Noise, quantized, steps_per_n};
 
 /// Retardation times of the cover's creep, s. With one per decade, the reading of a held force grows with the logarithm
 /// of time between the first and the last, as the strain of rubber does.
@@ -29,7 +29,7 @@ pub struct Capacitive {
     gate_n: f64,
     floor_n: f64,
     saturation_n: f64,
-    converter: Converter,
+    steps_per_n: f64,
 }
 
 impl Capacitive {
@@ -46,7 +46,7 @@ impl Capacitive {
             gate_n: options.gate_sigmas * options.noise_n,
             floor_n: options.floor_n,
             saturation_n: options.saturation_n,
-            converter: Converter::with_quantum(options.quantum_n),
+            steps_per_n: steps_per_n(options.quantum_n),
         }
     }
 
@@ -76,7 +76,7 @@ impl Capacitive {
             };
             let clean = felt + self.creep_share * crept_n + offset;
             let analog = self.noise.over_gate(clean, self.gate_n, random).filter(|analog| *analog >= self.floor_n);
-            *reading = analog.map_or(0.0, |analog| self.converter.convert(analog).clamp(0.0, self.saturation_n));
+            *reading = analog.map_or(0.0, |analog| quantized(analog, self.steps_per_n).clamp(0.0, self.saturation_n));
         }
     }
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::{Taxel, math};
 
 use super::options::{FabricOptions, FabricResponse};
-use super::shared::{Converter, Noise};
+use super::shared::{Noise, quantized};
 
 /// The fabric taxels of one patch. They are separate pieces, so there is no crosstalk.
 #[derive(Clone, Serialize, Deserialize)]
@@ -21,7 +21,7 @@ pub struct Fabric {
     memory_n: Vec<f64>,
     noise: Noise,
     gate_n: f64,
-    converter: Converter,
+    steps_per_n: f64,
     /// The taxels as voltage dividers; empty if the readings depend on the total force.
     dividers: Vec<Divider>,
 }
@@ -86,9 +86,7 @@ impl Fabric {
             memory_n: vec![0.0; taxels.len()],
             noise: Noise::new(options.noise_n),
             gate_n: options.gate_sigmas * options.noise_n,
-            converter: Converter {
-                steps_per_n: if is_divided && options.counts_per_n > 0.0 { STEPS } else { options.counts_per_n },
-            },
+            steps_per_n: if is_divided && options.counts_per_n > 0.0 { STEPS } else { options.counts_per_n },
             dividers: taxels.iter().filter(|_| is_divided).map(|taxel| Divider::new(taxel.area_m2)).collect(),
         }
     }
@@ -101,9 +99,8 @@ impl Fabric {
     /// The evenly spread force, N, that gives a taxel the conductance which it has under these `(normal force, area)`, N and m²,
     /// on parts of it. The conductances of the parts add up, and the rest of the taxel is unpressed.
     pub fn even_force_n(&self, taxel: usize, parts: impl Iterator<Item = (f64, f64)>) -> f64 {
-        let Some(Divider { full_scale_n, .. }) = self.dividers.get(taxel) else {
-            return parts.map(|(force_n, _)| force_n).sum();
-        };
+        let divider = self.dividers.get(taxel);
+        let Some(Divider { full_scale_n, .. }) = divider else { return parts.map(|(force_n, _)| force_n).sum() };
         let gains = parts.map(|(force_n, area_m2)| {
             let most_n = SATURATION_PA * area_m2;
             most_n / full_scale_n * math::exp_m1(STEEPNESS * (force_n / most_n).min(1.0))
@@ -120,7 +117,7 @@ impl Fabric {
             *memory = memory.min(force * self.opening_gain).max(*force).max(0.0);
             if let Some(divider) = dividers.next() {
                 let analog = divider.signal(*memory) + self.noise.draw(random) * divider.slope();
-                let force_n = divider.force_n(self.converter.convert(analog));
+                let force_n = divider.force_n(quantized(analog, self.steps_per_n));
                 *reading = if force_n < self.gate_n { 0.0 } else { force_n };
                 continue;
             }
@@ -128,7 +125,7 @@ impl Fabric {
             // The driver calibrates only the slope at small forces.
             let divided = *memory / (1.0 + *memory / self.full_scale_n);
             let analog = self.noise.over_gate(divided, self.gate_n, random);
-            *reading = analog.map_or(0.0, |analog| self.converter.convert(analog).clamp(0.0, self.full_scale_n));
+            *reading = analog.map_or(0.0, |analog| quantized(analog, self.steps_per_n).clamp(0.0, self.full_scale_n));
         }
     }
 }

@@ -105,29 +105,20 @@ impl Noise {
     }
 }
 
-/// Quantizes readings.
-#[derive(Clone, Serialize, Deserialize)]
-pub struct Converter {
-    /// Steps per newton; 0 switches quantization off.
-    pub steps_per_n: f64,
+/// Steps per newton of a converter with steps of this size, N; 0 switches quantization off.
+pub fn steps_per_n(quantum_n: f64) -> f64 {
+    if quantum_n == 0.0 {
+        return 0.0;
+    }
+    let steps = 1.0 / quantum_n;
+    // The floating-point number 0.001 is not exactly a thousandth. With a whole number of steps per newton,
+    // a reading is the number that is nearest to count / steps, and prints with few digits.
+    let whole = steps.round();
+    let is_whole = (steps - whole).abs() <= 4.0 * f64::EPSILON * steps;
+    if is_whole { whole } else { steps }
 }
 
-impl Converter {
-    /// Steps of this size, N; 0 switches quantization off.
-    pub fn with_quantum(quantum_n: f64) -> Self {
-        if quantum_n == 0.0 {
-            return Converter { steps_per_n: 0.0 };
-        }
-        let steps = 1.0 / quantum_n;
-        // The floating-point number 0.001 is not exactly a thousandth. With a whole number of steps per newton,
-        // a reading is the number that is nearest to count / steps, and prints with few digits.
-        let whole = steps.round();
-        let is_whole = (steps - whole).abs() <= 4.0 * f64::EPSILON * steps;
-        Converter { steps_per_n: if is_whole { whole } else { steps } }
-    }
-
-    /// The quantized value nearest to a reading, N.
-    pub fn convert(&self, reading_n: f64) -> f64 {
-        if self.steps_per_n > 0.0 { (reading_n * self.steps_per_n).round() / self.steps_per_n } else { reading_n }
-    }
+/// The value of a converter that is nearest to a reading, N. With 0 steps per newton it is the reading.
+pub fn quantized(reading_n: f64, steps_per_n: f64) -> f64 {
+    if steps_per_n > 0.0 { (reading_n * steps_per_n).round() / steps_per_n } else { reading_n }
 }

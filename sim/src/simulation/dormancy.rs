@@ -77,14 +77,10 @@ impl World {
     /// Whether a mover is nearer to an object at rest than the waking distance plus a margin.
     fn is_near(&self, model: &Model, mover: &Mover, index: usize, margin_m: f64) -> bool {
         let (outline, pose) = &model.outlines[index];
+        let (scene, collider) = (&self.engine.scene, mover.collider);
+        let found = || distance(&parry_pose(&scene.collider_pose(collider)), scene.shape(collider), pose, outline);
         mover.bounds.loosened(margin_m).intersects(&outline.aabb(pose))
             // A pair whose distance cannot be computed counts as near.
-            && distance(
-                &parry_pose(&self.engine.scene.collider_pose(mover.collider)),
-                self.engine.scene.shape(mover.collider),
-                pose,
-                outline,
-            )
-                .map_or(true, |found| found.distance < WAKE_M + margin_m)
+            && found().map_or(true, |found| found.distance < WAKE_M + margin_m)
     }
 }

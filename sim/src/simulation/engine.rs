@@ -32,13 +32,8 @@ pub struct Engine {
 impl Engine {
     /// An empty world.
     pub fn new(options: PhysicsOptions) -> Self {
-        Engine {
-            options,
-            scene: Scene::default(),
-            contact_step: ContactStep::default(),
-            tables_m: Vec::new(),
-            table_friction: TABLE_FRICTION,
-        }
+        let (scene, contact_step, tables_m) = Default::default();
+        Engine { options, scene, contact_step, tables_m, table_friction: TABLE_FRICTION }
     }
 
     /// Adds a table whose top is at this height, m, unless there is one already. Only objects that stand free collide
@@ -49,14 +44,9 @@ impl Engine {
         }
         self.tables_m.push(height_m);
         let center = glam::DVec3::new(0.0, 0.0, height_m - TABLE_HALF_SIZES_M.z);
-        let top = SharedShape::cuboid(TABLE_HALF_SIZES_M.x, TABLE_HALF_SIZES_M.y, TABLE_HALF_SIZES_M.z);
-        let top = Solid {
-            link: 0,
-            shape: ColliderBuilder::new(top),
-            groups: table_groups(),
-            surface: Surface::hard(self.table_friction),
-            part: 0,
-        };
+        let shape = ColliderBuilder::cuboid(TABLE_HALF_SIZES_M.x, TABLE_HALF_SIZES_M.y, TABLE_HALF_SIZES_M.z);
+        let surface = Surface::hard(self.table_friction);
+        let top = Solid { link: 0, shape, groups: table_groups(), surface, part: 0 };
         self.scene.insert(Tree::new(WorldPose::from_position(center), false), vec![top]);
     }
 

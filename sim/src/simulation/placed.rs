@@ -108,21 +108,14 @@ impl Scene {
             self.placed.len() - 1
         });
         let bodies = tree.links().iter().enumerate().map(|(link, own)| {
-            let body = match tree.moves(link) {
-                true => RigidBodyBuilder::kinematic_position_based(),
-                false => RigidBodyBuilder::fixed(),
-            };
-            self.bodies.insert(body.pose(parry_pose(&own.pose_world)).can_sleep(false))
+            let kind = if tree.moves(link) { RigidBodyType::KinematicPositionBased } else { RigidBodyType::Fixed };
+            self.bodies.insert(RigidBodyBuilder::new(kind).pose(parry_pose(&own.pose_world)).can_sleep(false))
         });
         let bodies: Vec<RigidBodyHandle> = bodies.collect();
+        let types = ActiveCollisionTypes::KINEMATIC_KINEMATIC | ActiveCollisionTypes::KINEMATIC_FIXED;
         for Solid { link, shape, groups, surface, part } in solids {
-            let shape = shape
-                .density(0.0)
-                .collision_groups(groups)
-                .active_collision_types(
-                    ActiveCollisionTypes::KINEMATIC_KINEMATIC | ActiveCollisionTypes::KINEMATIC_FIXED,
-                )
-                .active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS);
+            let shape = shape.density(0.0).collision_groups(groups).active_collision_types(types);
+            let shape = shape.active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS);
             let collider = self.colliders.insert_with_parent(shape, bodies[link], &mut self.bodies);
             let inserted = &self.colliders[collider];
             let mut mount = Mount {

@@ -32,12 +32,6 @@ struct Loads {
 }
 
 impl Loads {
-    fn clear(&mut self) {
-        self.taxels.clear();
-        self.normal_n_by_object.clear();
-        self.points_n.clear();
-    }
-
     fn add(&mut self, place: Place, object: Option<u16>, force: &TaxelForce) {
         let normal_n = force.normal_force_n;
         let load = entry(&mut self.taxels, place);
@@ -120,7 +114,9 @@ pub(super) fn sense(
     }
     // Within a pair, the order of the contacts is kept. An unstable sort needs no memory.
     touches.sort_unstable_by_key(|touch| (touch.pair(), touch.number));
-    loads.clear();
+    loads.taxels.clear();
+    loads.normal_n_by_object.clear();
+    loads.points_n.clear();
     for group in touches.chunk_by(|a, b| a.pair() == b.pair()) {
         let Touch { patch, collider, object, .. } = group[0];
         points.clear();

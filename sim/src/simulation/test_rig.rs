@@ -123,12 +123,9 @@ impl Rig {
 
     /// Names the bodies of a tree.
     fn name(&mut self, slot: usize) -> Vec<BodyId> {
-        let links = 0..self.engine.scene.tree(slot).links().len();
-        let named = links.map(|link| {
-            self.bodies.push(PlacedLink { slot, link });
-            BodyId(self.bodies.len() - 1)
-        });
-        named.collect()
+        let (first, links) = (self.bodies.len(), self.engine.scene.tree(slot).links().len());
+        self.bodies.extend((0..links).map(|link| PlacedLink { slot, link }));
+        (first..self.bodies.len()).map(BodyId).collect()
     }
 
     /// Everything that another engine needs to build the same joints and bodies, read back from the engine: the trees of
@@ -214,11 +211,8 @@ impl Rig {
         let PlacedLink { slot, link } = self.bodies[body.0];
         let own = self.engine.scene.colliders_of(self.engine.scene.placed(slot).bodies[link]);
         let contacts = self.engine.contact_step.contacts.iter();
-        let impulse: f64 = contacts
-            .filter(|contact| contact.colliders.iter().any(|collider| own.contains(collider)))
-            .map(|contact| contact.normal_impulse)
-            .sum();
-        impulse / self.engine.options.step_s
+        let pressing = contacts.filter(|contact| contact.colliders.iter().any(|collider| own.contains(collider)));
+        pressing.map(|contact| contact.normal_impulse).sum::<f64>() / self.engine.options.step_s
     }
 
     /// Displacement of the joint that carries a body along one of its axes, m or rad; `None` if no joint carries it.

@@ -53,13 +53,9 @@ impl World {
             model.clutter.passing.iter().map(|pair| pair.each_ref().map(|kind| kind_number(kind))).collect();
         let arm = ArmBodies::insert(&model.arm, &model.arm.start_posture_rad(), &mut engine);
         engine.scene.name_kinds(arm.slot, |_| kind_number("arm"));
-        let mut world = World {
-            engine,
-            arm,
-            contact_colliders: Vec::new(),
-            mechanisms: model.assemblies.iter().map(|_| None).collect(),
-            dormancy: DormancyBuffers::default(),
-        };
+        let mechanisms = vec![None; model.assemblies.len()];
+        let (contact_colliders, dormancy) = Default::default();
+        let mut world = World { engine, arm, contact_colliders, mechanisms, dormancy };
         for index in 0..model.assemblies.len() {
             world.insert(model, index);
         }
@@ -134,13 +130,9 @@ impl World {
             let links = contact.colliders.map(|collider| self.arm.link_of(&self.engine, collider));
             for (side, link) in links.iter().enumerate() {
                 let (Some(link), other) = (*link, contact.colliders[1 - side]) else { continue };
-                let (object, body) = match links[1 - side] {
-                    Some(other_link) => (None, other_link),
-                    None => match self.object_of(model, other) {
-                        Some((object, body)) => (Some(object), body),
-                        None => continue,
-                    },
-                };
+                let of_arm = links[1 - side].map(|other_link| (None, other_link));
+                let of_object = || self.object_of(model, other).map(|(object, body)| (Some(object), body));
+                let Some((object, body)) = of_arm.or_else(of_object) else { continue };
                 let sign = if side == 0 { 1.0 } else { -1.0 };
                 contacts.push(Contact {
                     link,

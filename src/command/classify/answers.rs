@@ -25,11 +25,7 @@ struct ContactLine<'a> {
 }
 
 /// The answer of a classifier of trials to the next frame.
-pub(super) fn of_contacts(
-    classifier: &mut OnlineClassifier,
-    categories: &[String],
-    frame: &Frame,
-) -> Result<String, Failure> {
+pub fn of_contacts(classifier: &mut OnlineClassifier, categories: &[String], frame: &Frame) -> Result<String, Failure> {
     let taxels = classifier.update(frame)?.map(|taxel| ContactLine {
         taxel: taxel.taxel,
         samples: taxel.samples,
@@ -79,11 +75,7 @@ struct RegionLine<'a> {
 }
 
 /// The answer of a touch model to the next frame.
-pub(super) fn of_touch(
-    classifier: &mut TouchClassifier,
-    layout: &SkinLayout,
-    frame: &Frame,
-) -> Result<String, Failure> {
+pub fn of_touch(classifier: &mut TouchClassifier, layout: &SkinLayout, frame: &Frame) -> Result<String, Failure> {
     classifier.update(frame)?;
     let categories = classifier.model().categories();
     let probabilities = |region: usize, factor: f64| -> BTreeMap<&str, f64> {

@@ -59,10 +59,9 @@ pub(super) fn run(options: &ClassifyOptions, model: &OnlineModel) -> Result<(), 
 /// The skin, from a data set, a recording, the file of an arm, or a skin file.
 fn layout_of(path: &Path) -> Result<SkinLayout, Failure> {
     input::check_exists(path, "a data set (folder), a recording, the file of an arm or a skin file")?;
-    let extension = path.extension().unwrap_or_default();
     if is_folder(path)? {
         Ok(Dataset::open(path)?.plan().layout.clone())
-    } else if extension == "toml" {
+    } else if path.extension().unwrap_or_default() == "toml" {
         Ok(arm::load_layout(path)?)
     } else if is_recording(path)? {
         Ok(read_recording(path)?.layout)
@@ -155,9 +154,8 @@ impl Online<'_> {
 
 /// The error that ends a strict stream.
 fn refused(number: usize, error: LineError) -> Failure {
-    let remedy = "correct the line, or leave --strict out";
     let LineError { field, found, allowed } = error;
-    InputError::new("<stdin>", field, found, allowed, remedy).at_line(number).into()
+    InputError::new("<stdin>", field, found, allowed, "correct the line, or leave --strict out").at_line(number).into()
 }
 
 /// Bins of the histogram in each doubling of time: quantiles are accurate to within 9 %.

@@ -18,8 +18,7 @@ pub(super) fn of(results: &EvaluationReport) -> String {
         };
         text += &format!("\n{} folds {by}", folds.count);
     }
-    let predictions = &results.evaluation.predictions;
-    let shortest = predictions.iter().map(|prediction| prediction.samples).min().unwrap_or(1);
+    let shortest = results.evaluation.predictions.iter().map(|prediction| prediction.samples).min().unwrap_or(1);
     if let Some(series) = &results.by_samples {
         text += "\n\nAccuracy by samples since contact";
         text += &match shortest {

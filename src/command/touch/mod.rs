@@ -202,10 +202,6 @@ pub fn evaluate(
             judge_touch(fitted(&examples, &options, training)?, &reaches)?
         }
         Judge::Folds(count, options) => {
-            let inputs = with_recordings(paths)?;
-            let sources = inputs.iter().map(|path| model_data::of_path(path)).collect::<Result<Vec<_>, _>>()?;
-            // Warns of several rates.
-            model_data::provenance(json!({}), sources);
             // Failures that are about all reaches name the input.
             let refused = |error: EvaluateError| match error {
                 EvaluateError::FoldCount { .. } => error.into(),

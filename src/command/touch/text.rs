@@ -162,8 +162,7 @@ fn by_reach(own: &ReachFigures) -> String {
 }
 
 fn contacts(figures: &TouchFigures) -> String {
-    let parts = [("whole contact", figures.contacts_at_end), ("first 10 samples", figures.contacts_after_tenth_second)];
-    Rows::of(parts)
+    Rows::of([("whole contact", figures.contacts_at_end), ("first 10 samples", figures.contacts_after_tenth_second)])
         .column("touched contacts by", |(name, _)| name)
         .column("contacts", |(_, own)| own.map_or(0, |own| own.trials))
         .column("accuracy %", |(_, own)| percent(own.map(|own| own.accuracy)))

@@ -79,8 +79,7 @@ fn integrate(load: f64, curvature: f64, mut see: impl FnMut(f64)) -> (Tip, f64) 
         state = runge_kutta_step(state, step, slope);
         see(state[3]);
     }
-    let tip = Tip { sideways: state[2], shortening: 1.0 - state[3] };
-    (tip, state[1])
+    (Tip { sideways: state[2], shortening: 1.0 - state[3] }, state[1])
 }
 
 /// Relative error of P L³ / 3 E I for a small tip load, to leading order: (4 / 35) (P L² / E I)².

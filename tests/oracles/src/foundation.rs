@@ -109,16 +109,14 @@ pub fn bounce(
     speed_m_per_s: f64,
 ) -> Bounce {
     const STEP_S: f64 = 1e-6;
+    let overlap_m3 = |depth: f64| if depth > 0.0 { volume_m3(depth) } else { 0.0 };
     let force_n = |depth: f64, rate: f64| {
-        let (depth, area) = if rate > 0.0 {
-            let small = 1e-9;
-            let area = (volume_m3(depth.max(0.0) + small) - volume_m3(depth.max(0.0))) / small;
-            (depth, area)
-        } else {
-            (depth + loss_time_s * rate, 0.0)
-        };
-        let elastic = if depth > 0.0 { volume_m3(depth) } else { 0.0 };
-        stiffness_n_per_m3 * (elastic + loss_time_s * area * rate.max(0.0))
+        if rate <= 0.0 {
+            return stiffness_n_per_m3 * overlap_m3(depth + loss_time_s * rate);
+        }
+        let (small, from) = (1e-9, depth.max(0.0));
+        let area = (volume_m3(from + small) - volume_m3(from)) / small;
+        stiffness_n_per_m3 * (overlap_m3(depth) + loss_time_s * area * rate)
     };
     let slope = |[depth, rate]: [f64; 2]| [rate, -force_n(depth, rate) / mass_kg];
     let (mut state, mut deepest, mut deepest_at, mut time) = ([0.0, speed_m_per_s], 0.0_f64, 0.0, 0.0);

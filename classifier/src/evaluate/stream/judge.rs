@@ -182,16 +182,13 @@ impl Stream {
 
     /// Counts a sample of a contact; `place` is the index of the contact in [`Stream::contacts`], once it has a truth.
     fn follow(&mut self, place: &mut Option<usize>, truth: Option<Category>, taxel: &Judged) {
-        if place.is_none()
-            && let Some(truth) = truth
-        {
-            *place = Some(self.contacts.len());
+        let Some(truth) = truth else { return };
+        let place = *place.get_or_insert(self.contacts.len());
+        if place == self.contacts.len() {
             self.contacts.push(StreamContact { truth, first_right: None });
         }
-        let is_right = truth.is_some_and(|truth| is_right(truth.name(), taxel.verdict, self.categories()));
-        let Some(contact) = place.and_then(|place| self.contacts.get_mut(place)) else { return };
-        if contact.first_right.is_none() && is_right {
-            contact.first_right = Some(taxel.samples);
+        if is_right(truth.name(), taxel.verdict, self.categories()) {
+            self.contacts[place].first_right.get_or_insert(taxel.samples);
         }
     }
 }

@@ -197,9 +197,8 @@ impl Pass {
         let exponents = &self.exponents[(samples - 1) / BLOCK * tiles..][..tiles];
         let highest = largest(exponents.iter().fold([f64::NEG_INFINITY; WIDTH], |a, b| zip(a, *b, larger)));
         let mut total = [0.0; WIDTH];
-        for ((out, weight), exponents) in
-            self.probability[last..last + tiles].iter_mut().zip(&self.weight[last..]).zip(exponents)
-        {
+        let states = self.probability[last..last + tiles].iter_mut().zip(&self.weight[last..]);
+        for ((out, weight), exponents) in states.zip(exponents) {
             *out = zip(*weight, *exponents, |weight, exponent| {
                 weight * integer_power_of_two(larger(exponent - highest, -700.0))
             });

@@ -32,11 +32,8 @@ impl ObjectCategories {
                 // The category counts as much as all others together, each of these the same, and each object too.
                 let share = if is_family { 1.0 } else { 1.0 / (categories - 1) as f64 };
                 let weight = share / (counts[*category] * times.len()) as f64;
-                times.iter().map(move |features| Row {
-                    features: features.as_slice(),
-                    target: f64::from(is_family),
-                    weight,
-                })
+                let target = f64::from(is_family);
+                times.iter().map(move |features| Row { features: features.as_slice(), target, weight })
             });
             Boosted::fit(Loss::Logistic, &rows.collect::<Vec<_>>(), OBJECT_FEATURE_COUNT)
         };

@@ -165,11 +165,8 @@ impl ObjectCourse {
             self.impulse_ns += 0.5 * (force_n + before.force_n) * (time_s - last_s).clamp(0.0, 0.1);
         }
         let press_m = self.all.press_m;
-        for (sum, value) in
-            self.moments.iter_mut().zip([force_n, press_m, force_n * force_n, press_m * press_m, force_n * press_m])
-        {
-            *sum += value;
-        }
+        let moments = [force_n, press_m, force_n * force_n, press_m * press_m, force_n * press_m];
+        self.moments.iter_mut().zip(moments).for_each(|(sum, value)| *sum += value);
         self.path.merge(&frame.path);
         self.place.push(now.center_world.truncate(), now.normal_world.truncate(), force_n);
         if force_n > largest_n {
@@ -178,10 +175,8 @@ impl ObjectCourse {
         }
         if let Some(level) = LEVELS_N.iter().rposition(|level| force_n >= *level) {
             let (sums, count) = &mut self.levels[level];
-            for (sum, value) in sums.iter_mut().zip([now.taxels, now.largest_force_n / force_n, now.extent_m, press_m])
-            {
-                *sum += value;
-            }
+            let values = [now.taxels, now.largest_force_n / force_n, now.extent_m, press_m];
+            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
             *count += 1.0;
         }
         self.samples += usize::from(force_n >= judged_n);

@@ -163,13 +163,11 @@ impl<'a> Objects<'a> {
         let reaches = known.iter().map(|own| (false, own)).chain(auxiliary.iter().map(|own| (true, own)));
         for (reach, (is_auxiliary, own)) in reaches.enumerate() {
             for object in own.iter() {
-                match categories.iter().position(|name| name == object.category) {
-                    Some(category) => objects.known.push((category, reach % FOLDS, object)),
+                if let Some(category) = categories.iter().position(|name| name == object.category) {
+                    objects.known.push((category, reach % FOLDS, object));
+                } else if is_auxiliary && object.category != Category::BLOCK.name() {
                     // Foam blocks are part of the environment.
-                    None if is_auxiliary && object.category != Category::BLOCK.name() => {
-                        objects.families.push((reach % FOLDS, object));
-                    }
-                    None => {}
+                    objects.families.push((reach % FOLDS, object));
                 }
             }
         }

@@ -52,13 +52,9 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
         let found = || format!("object {}", reading.object.unwrap_or_default());
         require(known, field, found, "the index of an object")?;
         let [first_shear, second_shear] = reading.true_shear_force_n;
-        let forces = [
-            reading.true_normal_force_n,
-            first_shear,
-            second_shear,
-            // As files store it.
-            f64::from(reading.sensed_force_n as f32),
-        ];
+        // As files store it.
+        let sensed_n = f64::from(reading.sensed_force_n as f32);
+        let forces = [reading.true_normal_force_n, first_shear, second_shear, sensed_n];
         finite(forces, field)?;
         for (name, force) in [("true_normal_force_n", forces[0]), ("sensed_force_n", reading.sensed_force_n)] {
             require(force >= 0.0, || format!("{}.{name}", field()), || force.to_string(), "0 or more")?;

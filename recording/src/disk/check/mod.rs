@@ -60,10 +60,8 @@ fn require_unit(length: f64, tolerance: f64, field: impl FnOnce() -> String) -> 
 
 /// `Err` with the first number that is not finite.
 fn finite(values: impl IntoIterator<Item = f64>, field: impl FnOnce() -> String) -> Result<(), Violation> {
-    match values.into_iter().find(|value| !value.is_finite()) {
-        None => Ok(()),
-        Some(value) => Err(Violation { field: field(), found: value.to_string(), allowed: "finite numbers" }),
-    }
+    let strange = values.into_iter().find(|value| !value.is_finite());
+    require(strange.is_none(), field, || strange.unwrap_or_default().to_string(), "finite numbers")
 }
 
 /// Checks a skin layout: unique patch names that can be part of column names, taxels in every patch, and grids that

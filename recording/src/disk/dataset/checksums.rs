@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::info::read_json;
 use super::names;
 use crate::disk::files::{is_folder, json_bytes, metadata, open_input, write_bytes};
-use crate::{DiskError, InputError};
+use crate::{DiskError, InputError, Result};
 
 /// The remedy for a damaged data set.
 const REMEDY: &str = "copy the data set again, or generate it again";
@@ -45,7 +45,7 @@ impl FileSum {
     }
 
     /// The size and hash of a file.
-    pub(crate) fn of_file(path: &Path) -> Result<Self, DiskError> {
+    pub(crate) fn of_file(path: &Path) -> Result<Self> {
         let mut hasher = blake3::Hasher::new();
         let file = File::open(path).map_err(DiskError::io(path, "read"))?;
         hasher.update_reader(file).map_err(DiskError::io(path, "read"))?;
@@ -69,7 +69,7 @@ impl Checksums {
     }
 
     /// Adds files of the data set by their paths within it.
-    pub(crate) fn add_files(&mut self, dir: &Path, names: Vec<String>) -> Result<(), DiskError> {
+    pub(crate) fn add_files(&mut self, dir: &Path, names: Vec<String>) -> Result<()> {
         for name in names {
             let sum = FileSum::of_file(&dir.join(&name))?;
             self.add(name, sum);
@@ -79,7 +79,7 @@ impl Checksums {
 
     /// Reads the list and checks it against its own hash. As nothing else has a hash of this file, its bytes must be those
     /// that [`Checksums::write`] writes.
-    pub(crate) fn read(dir: &Path) -> Result<Self, DiskError> {
+    pub(crate) fn read(dir: &Path) -> Result<Self> {
         let path = dir.join(names::CHECKSUMS);
         let ChecksumFile { blake3, files } = read_json(&path)?;
         let found = files.hash_of(|_| true);
@@ -94,13 +94,13 @@ impl Checksums {
     }
 
     /// Writes the list with its own hash.
-    pub(crate) fn write(&self, dir: &Path) -> Result<(), DiskError> {
+    pub(crate) fn write(&self, dir: &Path) -> Result<()> {
         let path = dir.join(names::CHECKSUMS);
         write_bytes(&path, &self.file_bytes(&path)?)
     }
 
     /// The bytes of the file at a path.
-    fn file_bytes(&self, path: &Path) -> Result<Vec<u8>, DiskError> {
+    fn file_bytes(&self, path: &Path) -> Result<Vec<u8>> {
         json_bytes(path, &ChecksumFile { blake3: self.hash_of(|_| true), files: self.clone() })
     }
 
@@ -124,7 +124,7 @@ impl Checksums {
     }
 
     /// Checks that every listed file exists with its size, and that the folders hold no other file.
-    pub(crate) fn check_listing(&self, dir: &Path) -> Result<(), DiskError> {
+    pub(crate) fn check_listing(&self, dir: &Path) -> Result<()> {
         self.names().try_for_each(|name| self.check_size(dir, name).map(drop))?;
         for name in files_of_set(dir)? {
             if !(names::is_hidden(&name) || name == names::CHECKSUMS || self.has(&name)) {
@@ -138,7 +138,7 @@ impl Checksums {
     }
 
     /// Checks the size of a file, and returns its path and the expected sum.
-    fn check_size(&self, dir: &Path, name: &str) -> Result<(PathBuf, &FileSum), DiskError> {
+    fn check_size(&self, dir: &Path, name: &str) -> Result<(PathBuf, &FileSum)> {
         let path = dir.join(name);
         let expected = self.files.get(name).ok_or_else(|| {
             let found = "no entry in meta/checksums.json";
@@ -153,7 +153,7 @@ impl Checksums {
     }
 
     /// Checks the hash of a file.
-    pub(crate) fn check(&self, dir: &Path, name: &str) -> Result<(), DiskError> {
+    pub(crate) fn check(&self, dir: &Path, name: &str) -> Result<()> {
         let (path, expected) = self.check_size(dir, name)?;
         let found = FileSum::of_file(&path)?;
         if found != *expected {
@@ -164,7 +164,7 @@ impl Checksums {
 }
 
 /// The files in the folders of a data set, as paths within the set.
-pub(crate) fn files_of_set(dir: &Path) -> Result<Vec<String>, DiskError> {
+pub(crate) fn files_of_set(dir: &Path) -> Result<Vec<String>> {
     let mut names = Vec::new();
     for folder in names::FOLDERS {
         if is_folder(&dir.join(folder))? {
@@ -175,7 +175,7 @@ pub(crate) fn files_of_set(dir: &Path) -> Result<Vec<String>, DiskError> {
 }
 
 /// Paths of the files in a folder of the data set and its subfolders, relative to the set.
-pub(crate) fn files_below(dir: &Path, folder: &str) -> Result<Vec<String>, DiskError> {
+pub(crate) fn files_below(dir: &Path, folder: &str) -> Result<Vec<String>> {
     let path = dir.join(folder);
     let mut names = Vec::new();
     for entry in fs::read_dir(&path).map_err(DiskError::io(&path, "read"))? {

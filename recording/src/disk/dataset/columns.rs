@@ -4,7 +4,7 @@ use crate::disk::dataset::{Dataset, names};
 use crate::disk::table::{Batch, Type, Want};
 use crate::disk::tables::dictionary::{FRAMES, Table};
 use crate::disk::tables::{FURTHER, about, tables_of_reaches};
-use crate::{DiskError, InputError, Recording};
+use crate::{DiskError, InputError, Recording, Result};
 
 impl Dataset {
     /// The names of the columns of `data/`, the table of frames, in their order.
@@ -102,7 +102,7 @@ impl Dataset {
         Ok(vec![Batch::in_memory(table.path, columns, about)])
     }
 
-    fn read_rows(&self, index: usize, table: &Table, columns: Option<&[&str]>) -> Result<Vec<Batch>, DiskError> {
+    fn read_rows(&self, index: usize, table: &Table, columns: Option<&[&str]>) -> Result<Vec<Batch>> {
         let episode = self.episode(index)?;
         let path = self.file(&names::table(table, episode.chunk_index, episode.file_index))?;
         if table.path != FRAMES.path {

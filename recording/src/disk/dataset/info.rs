@@ -12,7 +12,7 @@ use super::{DatasetPlan, Provenance};
 use crate::disk::tables::dictionary::FRAMES;
 use crate::disk::tables::frames::Feature;
 use crate::disk::tables::{all_tables, describe_tables};
-use crate::{Category, DiskError, InputError, JSON_BYTES, read_bytes};
+use crate::{Category, DiskError, InputError, JSON_BYTES, Result, read_bytes};
 
 /// Version of LeRobot's layout that this program writes and reads.
 pub(crate) const CODEBASE_VERSION: &str = "v3.0";
@@ -146,7 +146,7 @@ pub(crate) fn card(info: &Info, categories: &[Category]) -> String {
 }
 
 /// Reads a JSON file.
-pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, DiskError> {
+pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T> {
     let remedy = "copy or generate the data set again";
     // What is no file here was not made by a person, so it is a failure to read a file of the set.
     let bytes =

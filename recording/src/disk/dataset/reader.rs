@@ -21,7 +21,7 @@ use crate::disk::tables::truth_bodies::read_bodies;
 use crate::disk::tables::truth_tables::{
     add_contact_points, add_patches, add_poses, add_taxels, read_contacts, read_goals, read_map, read_objects,
 };
-use crate::{DiskError, InputError, Recording};
+use crate::{DiskError, InputError, Recording, Result};
 
 /// A finished data set on disk. Frames are read reach by reach.
 #[derive(Debug)]
@@ -36,7 +36,7 @@ pub struct Dataset {
 }
 
 /// An error if the files in a folder show that it is not a finished data set.
-fn recognize(dir: &Path) -> Result<(), DiskError> {
+fn recognize(dir: &Path) -> Result<()> {
     let error = |found: &str, remedy: &str| -> DiskError {
         InputError::new(dir, "data set", found, "the folder of a finished data set", remedy).into()
     };
@@ -71,7 +71,7 @@ fn recognize(dir: &Path) -> Result<(), DiskError> {
 const REMEDY: &str = "read it with the version of underbrush that wrote it";
 
 /// Refuses a file whose `key` does not have the value that this version writes.
-fn require_version(path: PathBuf, key: &str, known: &str) -> Result<(), DiskError> {
+fn require_version(path: PathBuf, key: &str, known: &str) -> Result<()> {
     let file: serde_json::Value = read_json(&path)?;
     let found = file.get(key).map_or("nothing".into(), serde_json::Value::to_string);
     if found == format!("{known:?}") {
@@ -98,7 +98,7 @@ impl Dataset {
     }
 
     // Not generic, so that it is compiled once and not in each crate that calls it.
-    fn open_folder(dir: PathBuf) -> Result<Self, DiskError> {
+    fn open_folder(dir: PathBuf) -> Result<Self> {
         recognize(&dir)?;
         require_version(dir.join(names::INFO), "codebase_version", CODEBASE_VERSION)?;
         require_version(dir.join(names::PROVENANCE), "format", FORMAT)?;
@@ -150,7 +150,7 @@ impl Dataset {
     }
 
     /// A reach by its index from 0; [`DiskError::NoSuchReach`] for an index outside the set.
-    pub(super) fn episode(&self, index: usize) -> Result<&Episode, DiskError> {
+    pub(super) fn episode(&self, index: usize) -> Result<&Episode> {
         let error = || DiskError::NoSuchReach { dir: self.dir.clone(), index, count: self.episodes.len() };
         self.episodes.get(index).ok_or_else(error)
     }
@@ -196,7 +196,7 @@ impl Dataset {
 
     /// The path of a file of the set, for reading. Its hash is checked the first time. All tables are read through this
     /// function.
-    pub(crate) fn file(&self, name: &str) -> Result<PathBuf, DiskError> {
+    pub(crate) fn file(&self, name: &str) -> Result<PathBuf> {
         let checked = || self.checked.lock().unwrap_or_else(PoisonError::into_inner);
         if !checked().contains(name) {
             // Done without the lock: two threads may check the same file, but none waits for another.

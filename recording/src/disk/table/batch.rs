@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::column::{Column, Text, Value};
 use super::row::{Row, Width, part_names};
-use crate::{DiskError, InputError};
+use crate::{DiskError, InputError, Result};
 
 /// Rows of a table, column by column.
 #[derive(Clone, Debug)]
@@ -23,12 +23,8 @@ pub struct Batch {
 impl Batch {
     /// Rows that are in no file.
     pub(crate) fn in_memory(place: &str, columns: Vec<Column>, about: String) -> Self {
-        Batch {
-            path: Path::new(place).into(),
-            rows: columns.first().map_or(0, Column::count),
-            columns,
-            about: about.into(),
-        }
+        let rows = columns.first().map_or(0, Column::count);
+        Batch { path: Path::new(place).into(), rows, columns, about: about.into() }
     }
 
     /// An error about a column.
@@ -42,13 +38,13 @@ impl Batch {
     }
 
     /// A column.
-    pub(crate) fn column(&self, name: &str) -> Result<&Column, DiskError> {
+    pub(crate) fn column(&self, name: &str) -> Result<&Column> {
         let found = self.columns.iter().find(|column| column.name == name);
         found.ok_or_else(|| self.error(name, "no such column", "a column of this name"))
     }
 
     /// The values of a column with `width` of them in each row, none missing.
-    pub(crate) fn fixed<T: Value>(&self, name: &str, width: usize) -> Result<&[T], DiskError> {
+    pub(crate) fn fixed<T: Value>(&self, name: &str, width: usize) -> Result<&[T]> {
         let column = self.column(name)?;
         let fits = column.fits(T::TYPE, Some(width), false);
         fits.map_err(|(found, allowed)| self.error(name, found, allowed))?;
@@ -56,18 +52,13 @@ impl Batch {
     }
 
     /// A whole number that has to fit into another type.
-    pub(crate) fn index<T: TryFrom<i64>>(
-        &self,
-        name: &str,
-        number: impl Into<i64>,
-        allowed: &str,
-    ) -> Result<T, DiskError> {
+    pub(crate) fn index<T: TryFrom<i64>>(&self, name: &str, number: impl Into<i64>, allowed: &str) -> Result<T> {
         let number = number.into();
         T::try_from(number).map_err(|_| self.error(name, number.to_string(), allowed))
     }
 
     /// The rows, one by one.
-    pub(crate) fn rows_as<R: Row>(&self) -> Result<Vec<R>, DiskError> {
+    pub(crate) fn rows_as<R: Row>(&self) -> Result<Vec<R>> {
         let mut columns = Vec::new();
         for described in R::COLUMNS {
             let width = if matches!(described.width, Width::List) { None } else { Some(1) };

@@ -16,7 +16,7 @@ use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData};
 use parquet::file::reader::{ChunkReader, Length};
 
 use crate::disk::files::open_input;
-use crate::{DiskError, InputError, limits};
+use crate::{DiskError, InputError, Result, limits};
 
 /// The file. Clones share it.
 #[derive(Clone)]
@@ -41,7 +41,7 @@ fn copy(error: &io::Error) -> io::Error {
 
 impl ParquetInput {
     /// Opens a file.
-    pub(crate) fn open(path: &Path) -> Result<Self, DiskError> {
+    pub(crate) fn open(path: &Path) -> Result<Self> {
         let file = open_input(path)?;
         let bytes = file.metadata().map_err(DiskError::io(path, "read"))?.len();
         Ok(ParquetInput { path: path.to_path_buf(), file: Arc::new(file), bytes, failed: Arc::default() })
@@ -49,7 +49,7 @@ impl ParquetInput {
 
     /// Runs a step of the decoder on this file. Some damaged files (with a negative offset in the footer, for example) make the
     /// decoder panic instead of returning an error, and bad input must never end the program.
-    pub(crate) fn decode<T, E: ToString>(&self, step: impl FnOnce() -> Result<T, E>) -> Result<T, DiskError> {
+    pub(crate) fn decode<T, E: ToString>(&self, step: impl FnOnce() -> Result<T, E>) -> Result<T> {
         let result = catch_unwind(AssertUnwindSafe(step));
         if let (false, Some(error)) = (matches!(result, Ok(Ok(_))), self.failed.get()) {
             return Err(DiskError::io(&self.path, "read")(copy(error)));
@@ -61,7 +61,7 @@ impl ParquetInput {
     }
 
     /// Checks what the footer says about the size of the content, before anything is decoded.
-    pub(crate) fn check_sizes(&self, footer: &ParquetMetaData) -> Result<(), DiskError> {
+    pub(crate) fn check_sizes(&self, footer: &ParquetMetaData) -> Result<()> {
         let size = |number: i64| u64::try_from(number).unwrap_or(u64::MAX);
         let groups = footer.row_groups();
         let rows = groups.iter().map(|group| size(group.num_rows()));
@@ -89,10 +89,7 @@ impl ParquetInput {
     }
 
     fn reader(&self, start: u64) -> io::Result<Reader> {
-        let positioned = self.file.try_clone().and_then(|mut file| {
-            file.seek(SeekFrom::Start(start))?;
-            Ok(file)
-        });
+        let positioned = self.file.try_clone().and_then(|mut file| file.seek(SeekFrom::Start(start)).map(|_| file));
         let file = positioned.map_err(|error| remembered(&self.failed, error))?;
         Ok(Reader { file, failed: Arc::clone(&self.failed) })
     }

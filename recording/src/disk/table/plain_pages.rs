@@ -14,7 +14,7 @@ use parquet::file::serialized_reader::SerializedPageReader;
 
 use super::Value;
 use super::parquet_input::ParquetInput;
-use crate::DiskError;
+use crate::Result;
 
 /// The chunk of a column in a row group, if it has numbers of this type.
 fn chunk_of<'a, F: Float>(group: &'a RowGroupMetaData, column: &str) -> Option<&'a ColumnChunkMetaData> {
@@ -53,14 +53,14 @@ pub(crate) fn most_numbers<F: Float>(group: &RowGroupMetaData, column: &str) -> 
 /// read them, and the content of `to` is unspecified.
 ///
 /// # Errors
-/// [`DiskError::Input`] for damaged files.
+/// [`crate::DiskError::Input`] for damaged files.
 pub(crate) fn read<F: Float, N>(
     file: &ParquetInput,
     group: &RowGroupMetaData,
     column: &str,
     convert: impl Fn(F) -> N,
     to: &mut [N],
-) -> Result<bool, DiskError> {
+) -> Result<bool> {
     let (Some(chunk), Ok(rows)) = (chunk_of::<F>(group, column), usize::try_from(group.num_rows())) else {
         return Ok(false);
     };
@@ -69,9 +69,7 @@ pub(crate) fn read<F: Float, N>(
         for page in SerializedPageReader::new(Arc::new(file.clone()), chunk, rows, None)? {
             let page = page?;
             let Some(numbers) = numbers_of::<F>(&page, chunk) else { return Ok(false) };
-            let Some((own, rest)) = left.split_at_mut_checked(numbers.len()) else {
-                return Ok(false);
-            };
+            let Some((own, rest)) = left.split_at_mut_checked(numbers.len()) else { return Ok(false) };
             for (place, number) in own.iter_mut().zip(numbers) {
                 *place = convert(number);
             }

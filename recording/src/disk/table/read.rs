@@ -16,7 +16,7 @@ use parquet::schema::types::ColumnDescriptor;
 use super::parquet_input::{ParquetInput, is_text};
 use super::plain_pages::{self, Float};
 use super::{Batch, Column, ROWS_PER_BATCH, Rows, Text, Type, Value, Values, broken};
-use crate::{DiskError, InputError};
+use crate::{DiskError, InputError, Result};
 
 /// Metadata key of the descriptions, units and codes of the columns.
 pub(crate) const COLUMNS_KEY: &str = "underbrush.columns";
@@ -45,7 +45,7 @@ pub(crate) enum Want {
 }
 
 /// Reads the footer of a file.
-pub(crate) fn read_footer(file: &ParquetInput) -> Result<Arc<ParquetMetaData>, DiskError> {
+pub(crate) fn read_footer(file: &ParquetInput) -> Result<Arc<ParquetMetaData>> {
     let footer = file.decode(|| ParquetMetaDataReader::new().parse_and_finish(file))?;
     file.check_sizes(&footer)?;
     Ok(Arc::new(footer))
@@ -53,14 +53,14 @@ pub(crate) fn read_footer(file: &ParquetInput) -> Result<Arc<ParquetMetaData>, D
 
 impl ParquetTable {
     /// Opens a file and reads its footer.
-    pub(crate) fn open(path: &Path) -> Result<Self, DiskError> {
+    pub(crate) fn open(path: &Path) -> Result<Self> {
         let file = ParquetInput::open(path)?;
         let footer = read_footer(&file)?;
         Ok(ParquetTable { file, footer })
     }
 
     /// The value of a metadata key.
-    pub(crate) fn key_value(&self, key: &'static str) -> Result<String, DiskError> {
+    pub(crate) fn key_value(&self, key: &'static str) -> Result<String> {
         self.find_key(key).map(str::to_owned).ok_or_else(|| {
             let remedy = "give a file written by underbrush; other programs drop its metadata when they rewrite it";
             let found = "no such key in the Parquet metadata";
@@ -88,12 +88,12 @@ impl ParquetTable {
         columns.filter(has_numbers).map(|column| column.name().to_owned()).collect()
     }
 
-    /// All rows in batches, up to the first error, with the columns that `want` names.
-    pub(crate) fn batches(&self, want: &dyn Fn(&str) -> Want) -> impl Iterator<Item = Result<Batch, DiskError>> {
+    /// All rows in batches with the columns that `want` names.
+    pub(crate) fn batches(&self, want: &dyn Fn(&str) -> Want) -> impl Iterator<Item = Result<Batch>> {
         let mut groups = 0..self.footer.num_row_groups();
         // Of the current row group: the columns, the rows that are left, and how many are decoded at once.
         let (mut columns, mut left, mut at_once) = (Vec::new(), 0, 0);
-        let mut read = move || -> Result<Option<Batch>, DiskError> {
+        let mut read = move || -> Result<Option<Batch>> {
             while left == 0 {
                 let Some(group) = groups.next() else { return Ok(None) };
                 columns = self.open_columns(group, want)?;
@@ -104,16 +104,11 @@ impl ParquetTable {
             left -= rows;
             Ok(Some(self.batch_of(rows, columns)))
         };
-        let mut failed = false;
-        iter::from_fn(move || {
-            let batch = if failed { None } else { read().transpose() };
-            failed = matches!(batch, Some(Err(_)));
-            batch
-        })
+        iter::from_fn(move || read().transpose())
     }
 
     /// The columns of a row group that `want` names, from the first row on.
-    fn open_columns(&self, group: usize, want: &dyn Fn(&str) -> Want) -> Result<Vec<ColumnValues>, DiskError> {
+    fn open_columns(&self, group: usize, want: &dyn Fn(&str) -> Want) -> Result<Vec<ColumnValues>> {
         let chunks = self.footer.row_group(group).columns().iter().enumerate();
         let wanted = chunks.filter_map(|(place, chunk)| {
             let want = want(chunk.column_path().parts().first()?);
@@ -123,22 +118,14 @@ impl ParquetTable {
     }
 
     /// Some rows of a row group at once, with the columns that `want` names.
-    pub(crate) fn batch(
-        &self,
-        group: usize,
-        rows: Range<usize>,
-        want: &dyn Fn(&str) -> Want,
-    ) -> Result<Batch, DiskError> {
+    pub(crate) fn batch(&self, group: usize, rows: Range<usize>, want: &dyn Fn(&str) -> Want) -> Result<Batch> {
         let whole = rows == (0..self.rows_of(group));
         let mut columns = Vec::new();
         for mut values in self.open_columns(group, want)? {
+            let name = &values.source.name;
             let plain = match (values.want, values.kind) {
-                (Want::Fixed(width), Some(Type::Float64)) if whole => {
-                    self.plain::<f64>(group, &values.source.name, width)?
-                }
-                (Want::Fixed(width), Some(Type::Float32)) if whole => {
-                    self.plain::<f32>(group, &values.source.name, width)?
-                }
+                (Want::Fixed(width), Some(Type::Float64)) if whole => self.plain::<f64>(group, name, width)?,
+                (Want::Fixed(width), Some(Type::Float32)) if whole => self.plain::<f32>(group, name, width)?,
                 _ => None,
             };
             columns.push(match plain {
@@ -154,12 +141,8 @@ impl ParquetTable {
     }
 
     fn batch_of(&self, rows: usize, columns: Vec<Column>) -> Batch {
-        Batch {
-            path: self.file.path.as_path().into(),
-            rows,
-            columns,
-            about: self.find_key(COLUMNS_KEY).unwrap_or_default().into(),
-        }
+        let about = self.find_key(COLUMNS_KEY).unwrap_or_default().into();
+        Batch { path: self.file.path.as_path().into(), rows, columns, about }
     }
 
     /// Number of rows of a row group that may be decoded at once.
@@ -172,7 +155,7 @@ impl ParquetTable {
     }
 
     /// A column of numbers of this type, if they are stored plainly.
-    fn plain<F: Float>(&self, group: usize, name: &str, width: usize) -> Result<Option<Column>, DiskError> {
+    fn plain<F: Float>(&self, group: usize, name: &str, width: usize) -> Result<Option<Column>> {
         let (count, group) = (width * self.rows_of(group), self.footer.row_group(group));
         // A footer may promise more rows than the file can have.
         if count > plain_pages::most_numbers::<F>(group, name) {
@@ -229,7 +212,7 @@ struct ColumnValues {
 
 impl ColumnValues {
     /// Opens a column by its place among the columns of the file.
-    fn open(table: &ParquetTable, group: usize, place: usize, want: Want) -> Result<Self, DiskError> {
+    fn open(table: &ParquetTable, group: usize, place: usize, want: Want) -> Result<Self> {
         let metadata = table.footer.row_group(group);
         let chunk = metadata.column(place);
         let column = chunk.column_descr_ptr();
@@ -253,7 +236,7 @@ impl ColumnValues {
     }
 
     /// The next rows.
-    fn next(&mut self, rows: usize) -> Result<Column, DiskError> {
+    fn next(&mut self, rows: usize) -> Result<Column> {
         use ColumnReader as From;
         let ColumnValues { source, want, kind, reader } = self;
         // Names repeat from row to row, so rows share a text with the row before if it is the same.
@@ -323,7 +306,7 @@ impl Source {
         from: &mut ColumnReaderImpl<D>,
         rows: usize,
         convert: impl FnMut(D::T) -> Option<V>,
-    ) -> Result<(Values, Rows), DiskError> {
+    ) -> Result<(Values, Rows)> {
         let (values, levels) = self.stored(from, rows)?;
         let values: Option<Vec<V>> = values.into_iter().map(convert).collect();
         let spread = values.ok_or("values of another type").and_then(|values| spread(values, levels, self.level, rows));
@@ -332,11 +315,7 @@ impl Source {
 
     /// The next rows as Parquet stores them: without the missing values, with the levels that say which are missing and where
     /// rows begin.
-    fn stored<D: DataType>(
-        &self,
-        from: &mut ColumnReaderImpl<D>,
-        rows: usize,
-    ) -> Result<(Vec<D::T>, Levels), DiskError> {
+    fn stored<D: DataType>(&self, from: &mut ColumnReaderImpl<D>, rows: usize) -> Result<(Vec<D::T>, Levels)> {
         let (mut values, mut definition, mut repetition) = (Vec::new(), Vec::new(), Vec::new());
         let step = || from.read_records(rows, Some(&mut definition), Some(&mut repetition), &mut values);
         let (found, ..) = self.file.decode(step)?;

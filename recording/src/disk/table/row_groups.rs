@@ -11,7 +11,7 @@ use parquet::file::statistics::Statistics;
 use super::parquet_input::ParquetInput;
 use super::read::read_footer;
 use super::{Batch, EPISODE_COLUMN, ParquetTable, Row, Want, broken, plain_pages};
-use crate::DiskError;
+use crate::Result;
 
 /// Number of footers that are kept. Choice: a set of 64 data files, which is 6 GB, is read without parsing any footer
 /// twice, and the footers take some 50 MB.
@@ -38,7 +38,7 @@ impl EpisodeRows {
     }
 
     /// An error unless the number of rows is as expected.
-    pub(crate) fn expect(self, count: usize) -> Result<Self, DiskError> {
+    pub(crate) fn expect(self, count: usize) -> Result<Self> {
         if self.count() == count {
             return Ok(self);
         }
@@ -47,7 +47,7 @@ impl EpisodeRows {
     }
 
     /// The rows, each with its batch, which names the file in errors.
-    pub(crate) fn rows<R: Row>(&self) -> Result<Vec<(&Batch, R)>, DiskError> {
+    pub(crate) fn rows<R: Row>(&self) -> Result<Vec<(&Batch, R)>> {
         let mut rows = Vec::with_capacity(self.count());
         for batch in &self.batches {
             rows.extend(batch.rows_as()?.into_iter().map(|row| (batch, row)));
@@ -56,10 +56,7 @@ impl EpisodeRows {
     }
 
     /// What `read` makes of the rows.
-    pub(crate) fn read<R: Row, T>(
-        &self,
-        read: impl Fn(&Batch, R) -> Result<T, DiskError>,
-    ) -> Result<Vec<T>, DiskError> {
+    pub(crate) fn read<R: Row, T>(&self, read: impl Fn(&Batch, R) -> Result<T>) -> Result<Vec<T>> {
         self.rows()?.into_iter().map(|(batch, row)| read(batch, row)).collect()
     }
 }
@@ -90,12 +87,7 @@ fn holds_one_episode(footer: &ParquetMetaData, group: usize) -> bool {
 
 impl Footers {
     /// The rows of an episode in a file, with the columns that `want` names. Only row groups that may hold any are read.
-    pub(crate) fn rows(
-        &self,
-        path: &Path,
-        episode: usize,
-        want: &dyn Fn(&str) -> Want,
-    ) -> Result<EpisodeRows, DiskError> {
+    pub(crate) fn rows(&self, path: &Path, episode: usize, want: &dyn Fn(&str) -> Want) -> Result<EpisodeRows> {
         let table = self.open(path)?;
         let mut batches = Vec::new();
         for group in row_groups_of(&table.footer, episode) {
@@ -128,7 +120,7 @@ impl Footers {
         column: &str,
         convert: impl Fn(f64) -> N,
         to: &mut [N],
-    ) -> Result<bool, DiskError> {
+    ) -> Result<bool> {
         let ParquetTable { file, footer } = self.open(path)?;
         match row_groups_of(&footer, episode)[..] {
             [group] if holds_one_episode(&footer, group) => {
@@ -140,7 +132,7 @@ impl Footers {
         }
     }
 
-    fn open(&self, path: &Path) -> Result<ParquetTable, DiskError> {
+    fn open(&self, path: &Path) -> Result<ParquetTable> {
         let file = ParquetInput::open(path)?;
         let known = self.known.lock().unwrap_or_else(PoisonError::into_inner).get(path).cloned();
         if let Some(footer) = known {

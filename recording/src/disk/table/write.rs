@@ -17,10 +17,10 @@ use tempfile::NamedTempFile;
 
 use super::arrow_schema;
 use super::column::{Column, Rows, Text, Type, Values};
-use crate::DiskError;
 use crate::disk::files::{self, TemporaryFile};
 use crate::disk::footer;
 use crate::disk::unfinished::Registered;
+use crate::{DiskError, Result};
 
 /// Number of rows that are encoded or decoded together. With 453 taxels their dense columns take about 15 MB.
 pub(crate) const ROWS_PER_BATCH: usize = 1024;
@@ -62,13 +62,10 @@ const POSE_COLUMNS: [&str; 3] = ["position_world_", "orientation_world_", "moved
 /// How the columns are encoded before compression: integers, which mostly count up, as differences; text by dictionary,
 /// because it repeats; poses of moving bodies, which change little from row to row, by byte streams. fastparquet cannot
 /// read byte streams, but a set of leaves would be 13 % larger without them.
-fn encodings(columns: &[Column]) -> WriterPropertiesBuilder {
+fn encodings(columns: &[Column], described: &[ColumnDescPtr]) -> WriterPropertiesBuilder {
     let mut builder = WriterProperties::builder();
-    for column in columns {
-        let path = ColumnPath::new(match column.has_lists() {
-            true => vec![column.name.clone(), "list".into(), "item".into()],
-            false => vec![column.name.clone()],
-        });
+    for (column, described) in columns.iter().zip(described) {
+        let path = described.path().clone();
         builder = match column.values.type_of() {
             Type::Int8 | Type::Int16 | Type::Int32 | Type::Int64 => {
                 builder.set_column_encoding(path, Encoding::DELTA_BINARY_PACKED)
@@ -95,8 +92,12 @@ pub(crate) type Group = Vec<(Bytes, ColumnCloseResult)>;
 
 impl Encoder {
     /// For columns like these; `path` is named in errors.
-    pub(crate) fn new(path: &Path, columns: &[Column]) -> Result<Self, DiskError> {
-        let properties = encodings(columns)
+    pub(crate) fn new(path: &Path, columns: &[Column]) -> Result<Self> {
+        let fields = columns.iter().map(schema_of).collect::<Result<_, _>>();
+        let schema = fields.and_then(|fields| Schema::group_type_builder("schema").with_fields(fields).build());
+        let schema = Arc::new(schema.map_err(DiskError::encode(path))?);
+        let described = SchemaDescriptor::new(Arc::clone(&schema)).columns().to_vec();
+        let properties = encodings(columns, &described)
             .set_compression(Compression::ZSTD(ZstdLevel::default()))
             // Forces and angles hardly repeat, except for zeros, which zstd compresses well.
             .set_dictionary_enabled(false)
@@ -107,19 +108,11 @@ impl Encoder {
             .set_statistics_enabled(EnabledStatistics::None)
             .set_column_statistics_enabled(ColumnPath::from(EPISODE_COLUMN), EnabledStatistics::Chunk)
             .build();
-        let fields = columns.iter().map(schema_of).collect::<Result<_, _>>();
-        let schema = fields.and_then(|fields| Schema::group_type_builder("schema").with_fields(fields).build());
-        let schema = Arc::new(schema.map_err(DiskError::encode(path))?);
-        let columns = SchemaDescriptor::new(Arc::clone(&schema)).columns().to_vec();
-        Ok(Encoder { schema, columns, properties: Arc::new(properties) })
+        Ok(Encoder { schema, columns: described, properties: Arc::new(properties) })
     }
 
     /// Encodes a row group. Its rows come in batches; only what is encoded is kept in memory. `path` is named in errors.
-    pub(crate) fn encode(
-        &self,
-        path: &Path,
-        batches: &mut dyn Iterator<Item = Vec<Column>>,
-    ) -> Result<Group, DiskError> {
+    pub(crate) fn encode(&self, path: &Path, batches: &mut dyn Iterator<Item = Vec<Column>>) -> Result<Group> {
         let encode = || DiskError::encode(path);
         let mut chunks: Vec<_> = self.columns.iter().map(|_| TrackedWrite::new(Vec::new())).collect();
         let pages = chunks.iter_mut().map(|chunk| Box::new(SerializedPageWriter::new(chunk)));
@@ -155,11 +148,7 @@ pub(crate) struct ParquetFile {
 impl ParquetFile {
     /// Creates a file for columns like these with key-value metadata. If [`footer::unsealed`] is among them, the file
     /// will contain its own hash.
-    pub(crate) fn create(
-        path: &Path,
-        columns: &[Column],
-        key_values: Vec<(&'static str, String)>,
-    ) -> Result<Self, DiskError> {
+    pub(crate) fn create(path: &Path, columns: &[Column], key_values: Vec<(&'static str, String)>) -> Result<Self> {
         let key_values: Vec<_> = key_values
             .into_iter()
             .chain(arrow_schema::entry(columns))
@@ -176,13 +165,13 @@ impl ParquetFile {
     }
 
     /// Writes a row group, unless it has no rows. Its rows come in batches; only what is encoded is kept in memory.
-    pub(crate) fn write_group(&mut self, batches: &mut dyn Iterator<Item = Vec<Column>>) -> Result<(), DiskError> {
+    pub(crate) fn write_group(&mut self, batches: &mut dyn Iterator<Item = Vec<Column>>) -> Result<()> {
         let group = self.encoder.encode(&self.path, batches)?;
         self.append(group)
     }
 
     /// Appends a row group that an encoder for columns like those of the file has encoded, unless it has no rows.
-    pub(crate) fn append(&mut self, group: Group) -> Result<(), DiskError> {
+    pub(crate) fn append(&mut self, group: Group) -> Result<()> {
         if group.iter().all(|(_, closed)| closed.rows_written == 0) {
             return Ok(());
         }
@@ -198,7 +187,7 @@ impl ParquetFile {
     }
 
     /// Writes the footer and gives the file its name.
-    pub(crate) fn close(self) -> Result<(), DiskError> {
+    pub(crate) fn close(self) -> Result<()> {
         let mut file = self.writer.into_inner().map_err(DiskError::encode(&self.path))?;
         footer::declare_usual_order(file.as_file_mut())
             .and_then(|()| if self.sealed { footer::seal(file.as_file_mut()) } else { Ok(()) })
@@ -208,11 +197,7 @@ impl ParquetFile {
 }
 
 /// Writes a table of one batch.
-pub(crate) fn write_table(
-    path: &Path,
-    columns: Vec<Column>,
-    key_values: Vec<(&'static str, String)>,
-) -> Result<(), DiskError> {
+pub(crate) fn write_table(path: &Path, columns: Vec<Column>, key_values: Vec<(&'static str, String)>) -> Result<()> {
     let mut file = ParquetFile::create(path, &columns, key_values)?;
     file.write_group(&mut iter::once(columns))?;
     file.close()

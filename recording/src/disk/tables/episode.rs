@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::disk::table::{Batch, Column, ParquetTable, Row, Text, Want, row, write_table};
 use crate::disk::tables::truth_tables::{COUNTS, OBJECTS, read_outcome, some_missing};
-use crate::{Audit, DiskError, GoalOutcomes, NamedStop, Outcome, Recording};
+use crate::{Audit, GoalOutcomes, NamedStop, Outcome, Recording, Result};
 
 /// One reach of a data set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -113,7 +113,7 @@ fn goals_column(outcome: Outcome) -> String {
 const TOUCHED_FRAMES: &str = "touched_frames.";
 
 /// Writes the episodes, in order.
-pub(crate) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), DiskError> {
+pub(crate) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<()> {
     let row = |(index, episode): (usize, &Episode)| EpisodeRow {
         episode_index: index as i64,
         tasks: Some(vec![episode.task.as_str().into()]),
@@ -162,7 +162,7 @@ pub(crate) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), Di
 }
 
 /// Reads the episodes, in order.
-pub(crate) fn read_episodes(path: &Path) -> Result<Vec<Episode>, DiskError> {
+pub(crate) fn read_episodes(path: &Path) -> Result<Vec<Episode>> {
     let mut episodes = Vec::new();
     for batch in ParquetTable::open(path)?.batches(&|_| Want::All) {
         read_batch(&batch?, &mut episodes)?;
@@ -171,7 +171,7 @@ pub(crate) fn read_episodes(path: &Path) -> Result<Vec<Episode>, DiskError> {
 }
 
 /// The contact that ended a reach.
-fn read_stop(batch: &Batch, row: StopRow) -> Result<Option<NamedStop>, DiskError> {
+fn read_stop(batch: &Batch, row: StopRow) -> Result<Option<NamedStop>> {
     match (row.object, row.kind, row.link, row.force_n) {
         (object, Some(kind), Some(link), Some(force_n)) => Ok(Some(NamedStop {
             object_index: object.map(|object| batch.index("stop_object_index", object, OBJECTS)).transpose()?,
@@ -185,7 +185,7 @@ fn read_stop(batch: &Batch, row: StopRow) -> Result<Option<NamedStop>, DiskError
     }
 }
 
-fn read_batch(batch: &Batch, episodes: &mut Vec<Episode>) -> Result<(), DiskError> {
+fn read_batch(batch: &Batch, episodes: &mut Vec<Episode>) -> Result<()> {
     // Within 32 bits, so that their sum cannot overflow.
     let whole = |name: &str, number: i64| batch.index::<u32>(name, number, COUNTS);
     let count = |name: &str, number: i64| whole(name, number).map(|number| number as usize);
@@ -235,7 +235,7 @@ fn read_batch(batch: &Batch, episodes: &mut Vec<Episode>) -> Result<(), DiskErro
             safety_stop: read_stop(batch, stop)?,
             objects: count("objects", row.objects)?,
             contacts: count("contacts", row.contacts)?,
-            touched_frames: touched.collect::<Result<_, DiskError>>()?,
+            touched_frames: touched.collect::<Result<_>>()?,
             audit,
         });
     }

@@ -10,7 +10,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::disk::table::{Batch, Column, Described, Rows, Type, Value, Values, Want, Width};
-use crate::{DiskError, Frame, Pose, Recording, SkinLayout, TaxelReading, TrackPoint};
+use crate::{Frame, Pose, Recording, Result, SkinLayout, TaxelReading, TrackPoint};
 
 /// The column of contacts, which files of early builds do not have.
 const CONTACT_POINTS: &str = "truth.contact_points";
@@ -55,8 +55,8 @@ pub(crate) struct Place {
 /// What a value is, and what it may be.
 pub(crate) type Fault = (String, String);
 
-/// Makes the column of a patch in some frames, with this name and width.
-type Give = fn(&ReachRows, Range<usize>, usize, (&str, Option<usize>)) -> Column;
+/// Makes the column of a feature in some frames.
+type Give = fn(&ReachRows, Range<usize>, &Feature) -> Column;
 /// Adds the values of a column to a patch in the frames from this one on.
 type Take = fn(&mut Recording, usize, usize, &Column) -> Result<(), Fault>;
 
@@ -72,34 +72,32 @@ pub(crate) struct FrameColumn {
 pub(crate) fn give_rows<T: Value>(
     rows: &ReachRows,
     frames: Range<usize>,
-    patch: usize,
-    (name, width): (&str, Option<usize>),
+    feature: &Feature,
     give: fn(&ReachRows, Place, &mut [T]),
 ) -> Column {
-    let width = width.unwrap_or(1);
+    let width = feature.width.unwrap_or(1);
     let mut values = vec![T::default(); width * frames.len()];
     for (frame, row) in frames.zip(values.chunks_exact_mut(width)) {
-        give(rows, Place { frame, patch }, row);
+        give(rows, Place { frame, patch: feature.patch }, row);
     }
-    Column::fixed(name, width, values)
+    Column::fixed(&feature.name, width, values)
 }
 
 /// Makes a column from a function that appends a list.
 pub(crate) fn give_lists<T: Value>(
     rows: &ReachRows,
     frames: Range<usize>,
-    patch: usize,
-    (name, _): (&str, Option<usize>),
+    feature: &Feature,
     give: fn(&ReachRows, Place, &mut Vec<T>),
 ) -> Column {
     let (mut values, mut ends) = (Vec::new(), Vec::new());
     for frame in frames {
-        give(rows, Place { frame, patch }, &mut values);
+        give(rows, Place { frame, patch: feature.patch }, &mut values);
         ends.push(values.len());
     }
     let present = vec![true; ends.len()];
     let rows = Rows::Lists { ends, present };
-    Column { rows, ..Column::fixed(name, 1, values) }
+    Column { rows, ..Column::fixed(&feature.name, 1, values) }
 }
 
 /// Adds the values of a column row by row.
@@ -130,7 +128,7 @@ macro_rules! frame_columns {
                 unit: $unit,
                 what: $what,
             },
-            give: |rows, frames, patch, column| $crate::disk::tables::frames::$by::<$value>(rows, frames, patch, column, $give),
+            give: |rows, frames, feature| $crate::disk::tables::frames::$by::<$value>(rows, frames, feature, $give),
             take: frame_columns!(take $value $(, $take)?),
         }),*]
     };
@@ -251,7 +249,7 @@ impl Feature {
     }
 
     /// Adds the values of a batch to its frames, the first of which is `first`.
-    fn take(&self, batch: &Batch, recording: &mut Recording, first: usize) -> Result<(), DiskError> {
+    fn take(&self, batch: &Batch, recording: &mut Recording, first: usize) -> Result<()> {
         let Some(take) = self.column.take else { return Ok(()) };
         let column = batch.column(&self.name)?;
         let described = &self.column.described;
@@ -259,11 +257,8 @@ impl Feature {
         let column = match (&column.values, described.value) {
             // Sets of version 0.1.0 have forces in double precision, and other programs may write all numbers so.
             (Values::Float64(values), Type::Float32) => {
-                single = Column {
-                    name: column.name.clone(),
-                    values: Values::Float32(values.iter().map(|number| *number as f32).collect()),
-                    rows: column.rows.clone(),
-                };
+                let values = Values::Float32(values.iter().map(|number| *number as f32).collect());
+                single = Column { name: column.name.clone(), values, rows: column.rows.clone() };
                 &single
             }
             _ => column,
@@ -289,9 +284,7 @@ pub(crate) fn features(columns: &'static [FrameColumn], joint_names: &[String], 
 
 /// The columns of some frames.
 pub(crate) fn columns_of(features: &[Feature], rows: &ReachRows, frames: Range<usize>) -> Vec<Column> {
-    let give =
-        |feature: &Feature| (feature.column.give)(rows, frames.clone(), feature.patch, (&feature.name, feature.width));
-    features.iter().map(give).collect()
+    features.iter().map(|feature| (feature.column.give)(rows, frames.clone(), feature)).collect()
 }
 
 /// What a reader of frames needs of the column with a name.
@@ -301,7 +294,7 @@ pub(crate) fn wanted(features: &[Feature]) -> impl Fn(&str) -> Want {
 
 /// Appends the rows of a batch to the frames of a recording whose other fields are known. What the columns do not hold is
 /// left out.
-pub(crate) fn append_frames(features: &[Feature], batch: &Batch, recording: &mut Recording) -> Result<(), DiskError> {
+pub(crate) fn append_frames(features: &[Feature], batch: &Batch, recording: &mut Recording) -> Result<()> {
     let patches = recording.layout.patches.len();
     let first = recording.frames.len();
     recording.frames.resize(first + batch.rows, Frame::blank(patches));

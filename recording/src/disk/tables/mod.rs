@@ -14,8 +14,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use self::dictionary::{
-    FRAMES, MAP, TAXELS, TRUTH_BODIES, TRUTH_CONTACT_POINTS, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES,
-    TRUTH_POSES, TRUTH_TAXELS, Table,
+    FRAMES, MAP, OfReach, TAXELS, TRUTH_BODIES, TRUTH_CONTACT_POINTS, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS,
+    TRUTH_PATCHES, TRUTH_POSES, TRUTH_TAXELS, Table,
 };
 use self::truth_bodies::body_rows;
 use self::truth_tables::{
@@ -27,17 +27,25 @@ use crate::{Category, Recording};
 /// Makes the columns of a table for an episode.
 type Columns = fn(usize, &Recording) -> Vec<Column>;
 
+/// The columns of the rows of an episode, which its index precedes.
+fn columns<R: Row>(episode: usize, rows: &[R]) -> Vec<Column> {
+    let index = OfReach { episode_index: episode as i64 };
+    let mut columns = OfReach::write(&vec![index; rows.len()]);
+    columns.extend(R::write(rows));
+    columns
+}
+
 /// The tables with rows for every reach beside the frames: ground truth, and what the controller believed.
 pub(super) const FURTHER: [(&Table, Columns); 9] = [
-    (&TRUTH_TAXELS, |episode, recording| Row::write(&taxel_rows(episode, recording))),
-    (&TRUTH_PATCHES, |episode, recording| Row::write(&patch_rows(episode, recording))),
-    (&TRUTH_OBJECTS, |episode, recording| Row::write(&object_rows(episode, recording))),
-    (&TRUTH_CONTACTS, |episode, recording| Row::write(&contact_rows(episode, recording))),
-    (&TRUTH_CONTACT_POINTS, |episode, recording| Row::write(&contact_point_rows(episode, recording))),
-    (&TRUTH_GOALS, |episode, recording| Row::write(&goal_rows(episode, recording))),
-    (&TRUTH_BODIES, |episode, recording| Row::write(&body_rows(episode, recording))),
-    (&TRUTH_POSES, |episode, recording| Row::write(&pose_rows(episode, recording))),
-    (&MAP, |episode, recording| Row::write(&map_rows(episode, recording))),
+    (&TRUTH_TAXELS, |episode, recording| columns(episode, &taxel_rows(recording))),
+    (&TRUTH_PATCHES, |episode, recording| columns(episode, &patch_rows(recording))),
+    (&TRUTH_OBJECTS, |episode, recording| columns(episode, &object_rows(recording))),
+    (&TRUTH_CONTACTS, |episode, recording| columns(episode, &contact_rows(recording))),
+    (&TRUTH_CONTACT_POINTS, |episode, recording| columns(episode, &contact_point_rows(recording))),
+    (&TRUTH_GOALS, |episode, recording| columns(episode, &goal_rows(recording))),
+    (&TRUTH_BODIES, |episode, recording| columns(episode, &body_rows(recording))),
+    (&TRUTH_POSES, |episode, recording| columns(episode, &pose_rows(recording))),
+    (&MAP, |episode, recording| columns(episode, &map_rows(recording))),
 ];
 
 /// The tables with rows for every reach, first the frames.

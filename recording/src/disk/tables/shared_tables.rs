@@ -10,7 +10,7 @@ use crate::disk::check::check_layout;
 use crate::disk::table::{Column, ParquetTable, Row, Text, Want, broken, write_table};
 use crate::disk::tables::about_entry;
 use crate::disk::tables::dictionary::{SkinTaxel, TAXELS};
-use crate::{DiskError, Patch, SkinLayout, Taxel};
+use crate::{DiskError, Patch, Result, SkinLayout, Taxel};
 
 /// Metadata key of the patches without their taxels, as JSON.
 const PATCHES_KEY: &str = "underbrush.patches";
@@ -22,7 +22,7 @@ fn pandas_column(name: &str, pandas: &str, numpy: &str) -> Value {
 
 /// Writes the tasks in the order of their numbers, from 0. LeRobot takes the sentence from the pandas index, so the metadata declare `task` as the
 /// index.
-pub(crate) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, usize>) -> Result<(), DiskError> {
+pub(crate) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, usize>) -> Result<()> {
     let mut tasks: Vec<_> = numbers.iter().collect();
     tasks.sort_unstable_by_key(|(_, number)| **number);
     let columns = vec![
@@ -40,7 +40,7 @@ pub(crate) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, usize>) -> Resul
 }
 
 /// Writes the taxel table.
-pub(crate) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<(), DiskError> {
+pub(crate) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<()> {
     let row = |(patch, (index, taxel)): (&Patch, (usize, &Taxel))| SkinTaxel {
         patch: patch.name.as_str().into(),
         taxel: index as i32,
@@ -62,7 +62,7 @@ pub(crate) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<(), DiskE
 }
 
 /// Reads the skin.
-pub(crate) fn read_taxels(path: &Path) -> Result<SkinLayout, DiskError> {
+pub(crate) fn read_taxels(path: &Path) -> Result<SkinLayout> {
     let table = ParquetTable::open(path)?;
     let patches: Vec<Patch> = serde_json::from_slice(table.key_value(PATCHES_KEY)?.as_bytes())
         .map_err(|error| broken(path, format!("{PATCHES_KEY}: {error}")))?;

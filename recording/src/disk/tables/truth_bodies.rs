@@ -4,17 +4,16 @@ use glam::DVec3;
 
 use crate::disk::table::{Batch, EpisodeRows};
 use crate::disk::tables::dictionary::TruthBody;
-use crate::{Body, BodyOwner, BodyPart, BodyShape, DiskError, Pose, Recording};
+use crate::{Body, BodyOwner, BodyPart, BodyShape, Pose, Recording, Result};
 
 /// A row of a body without shapes.
-fn bare_row(episode: usize, index: usize, body: &Body, recording: &Recording) -> TruthBody {
+fn bare_row(index: usize, body: &Body, recording: &Recording) -> TruthBody {
     let (link, object) = match &body.owner {
         BodyOwner::Link(name) => (Some(name.as_str()), None),
         BodyOwner::Object(index) => (None, Some(*index)),
     };
     let known = object.and_then(|index| recording.objects.get(usize::from(index)));
     TruthBody {
-        episode_index: episode as i64,
         body_index: index as i32,
         link: link.map(Into::into),
         object_index: object.map(Into::into),
@@ -46,10 +45,10 @@ fn round(row: TruthBody, radius_m: f64, length_m: f64) -> TruthBody {
 }
 
 /// An episode's bodies.
-pub(crate) fn body_rows(episode: usize, recording: &Recording) -> Vec<TruthBody> {
+pub(crate) fn body_rows(recording: &Recording) -> Vec<TruthBody> {
     let mut rows = Vec::new();
     for (index, body) in recording.bodies.iter().enumerate() {
-        let bare = bare_row(episode, index, body, recording);
+        let bare = bare_row(index, body, recording);
         rows.extend(body.parts.iter().map(|part| with_part(bare.clone(), part)));
         if body.parts.is_empty() {
             rows.push(bare);
@@ -59,10 +58,8 @@ pub(crate) fn body_rows(episode: usize, recording: &Recording) -> Vec<TruthBody>
 }
 
 /// The shape of a row, if it has one.
-fn shape_of(batch: &Batch, row: &TruthBody) -> Result<Option<BodyShape>, DiskError> {
-    let Some(shape) = row.shape.as_deref() else {
-        return Ok(None);
-    };
+fn shape_of(batch: &Batch, row: &TruthBody) -> Result<Option<BodyShape>> {
+    let Some(shape) = row.shape.as_deref() else { return Ok(None) };
     let missing = |name: &str| batch.error(name, "nothing", format!("a number for a {shape}"));
     let radius_m = || row.radius_m.ok_or_else(|| missing("radius_m"));
     let length_m = || row.length_m.ok_or_else(|| missing("length_m"));
@@ -82,7 +79,7 @@ fn shape_of(batch: &Batch, row: &TruthBody) -> Result<Option<BodyShape>, DiskErr
 }
 
 /// Reads the bodies of an episode, without their motion.
-pub(crate) fn read_bodies(rows: &EpisodeRows) -> Result<Vec<Body>, DiskError> {
+pub(crate) fn read_bodies(rows: &EpisodeRows) -> Result<Vec<Body>> {
     let mut bodies: Vec<Body> = Vec::new();
     for (batch, row) in rows.rows::<TruthBody>()? {
         let next = bodies.len();

@@ -11,7 +11,7 @@ use crate::disk::tables::frames::{Fault, Place, is_nothing, reading_of};
 use crate::disk::tables::truth_columns::{NONE, check_code, object_of};
 use crate::{
     Body, BodyOwner, Category, Contact, ContactPoint, DiskError, GoalRecord, MappedObstacle, ObjectRecord,
-    ObstacleKind, Outcome, Recording, SafetyStop, SkinLayout, TaxelReading, TrackPoint,
+    ObstacleKind, Outcome, Recording, Result, SafetyStop, SkinLayout, TaxelReading, TrackPoint,
 };
 
 /// What the index of an object may be.
@@ -23,9 +23,8 @@ pub(crate) const COUNTS: &str = "0 to 4294967295";
 const REASON: &str = ": ";
 
 /// An episode's objects, with their parameters as JSON objects.
-pub(crate) fn object_rows(episode: usize, recording: &Recording) -> Vec<TruthObject> {
+pub(crate) fn object_rows(recording: &Recording) -> Vec<TruthObject> {
     let row = |(index, object): (usize, &ObjectRecord)| TruthObject {
-        episode_index: episode as i64,
         object_index: index as i32,
         kind: object.kind.as_str().into(),
         category: object.category.name().into(),
@@ -37,7 +36,7 @@ pub(crate) fn object_rows(episode: usize, recording: &Recording) -> Vec<TruthObj
 }
 
 /// The objects of an episode of a set with `further` categories.
-pub(crate) fn read_objects(rows: &EpisodeRows, further: &[Category]) -> Result<Vec<ObjectRecord>, DiskError> {
+pub(crate) fn read_objects(rows: &EpisodeRows, further: &[Category]) -> Result<Vec<ObjectRecord>> {
     let all = || Category::BUILT_IN.iter().chain(further);
     let known = |name: &str| all().find(|category| category.name() == name).copied();
     rows.read(|batch, row: TruthObject| {
@@ -55,11 +54,10 @@ pub(crate) fn read_objects(rows: &EpisodeRows, further: &[Category]) -> Result<V
 }
 
 /// An episode's goals.
-pub(crate) fn goal_rows(episode: usize, recording: &Recording) -> Vec<TruthGoal> {
+pub(crate) fn goal_rows(recording: &Recording) -> Vec<TruthGoal> {
     let row = |(index, goal): (usize, &GoalRecord)| {
         let stop = goal.safety_stop.as_ref();
         TruthGoal {
-            episode_index: episode as i64,
             goal_index: index as i32,
             position_world: goal.position_world,
             start_time_s: goal.start_time_s,
@@ -78,7 +76,7 @@ pub(crate) fn goal_rows(episode: usize, recording: &Recording) -> Vec<TruthGoal>
 }
 
 /// Reads the goals of an episode.
-pub(crate) fn read_goals(rows: &EpisodeRows, layout: &SkinLayout) -> Result<Vec<GoalRecord>, DiskError> {
+pub(crate) fn read_goals(rows: &EpisodeRows, layout: &SkinLayout) -> Result<Vec<GoalRecord>> {
     rows.read(|batch, row: TruthGoal| {
         let safety_stop = match (row.stop_object_index, row.stop_link, row.stop_force_n) {
             (object, Some(link), Some(force_n)) => Some(SafetyStop {
@@ -116,26 +114,20 @@ pub(crate) fn patch_name(layout: &SkinLayout, patch: Option<u16>) -> Option<Text
 }
 
 /// The index of a patch; `None` for a part of the arm without skin.
-pub(crate) fn patch_index(
-    batch: &Batch,
-    column: &str,
-    name: Option<&str>,
-    layout: &SkinLayout,
-) -> Result<Option<u16>, DiskError> {
+pub(crate) fn patch_index(batch: &Batch, column: &str, name: Option<&str>, layout: &SkinLayout) -> Result<Option<u16>> {
     let Some(name) = name else { return Ok(None) };
     let index = layout.patch_index(name).and_then(|index| u16::try_from(index).ok());
     index.map(Some).ok_or_else(|| batch.error(column, name, "a patch of meta/taxels.parquet"))
 }
 
 /// The outcome with a name.
-pub(crate) fn read_outcome(batch: &Batch, name: &str) -> Result<Outcome, DiskError> {
+pub(crate) fn read_outcome(batch: &Batch, name: &str) -> Result<Outcome> {
     Outcome::from_name(name).ok_or_else(|| batch.error("outcome", name, "reached, stuck, timed_out or aborted"))
 }
 
 /// An episode's contacts. The patch is null for a part of the link without skin.
-pub(crate) fn contact_rows(episode: usize, recording: &Recording) -> Vec<TruthContact> {
+pub(crate) fn contact_rows(recording: &Recording) -> Vec<TruthContact> {
     let row = |contact: &Contact| TruthContact {
-        episode_index: episode as i64,
         link: contact.link.as_str().into(),
         patch: patch_name(&recording.layout, contact.patch),
         object_index: contact.object.into(),
@@ -149,7 +141,7 @@ pub(crate) fn contact_rows(episode: usize, recording: &Recording) -> Vec<TruthCo
 }
 
 /// Reads the contacts of an episode.
-pub(crate) fn read_contacts(rows: &EpisodeRows, layout: &SkinLayout) -> Result<Vec<Contact>, DiskError> {
+pub(crate) fn read_contacts(rows: &EpisodeRows, layout: &SkinLayout) -> Result<Vec<Contact>> {
     rows.read(|batch, row: TruthContact| {
         Ok(Contact {
             link: row.link.to_string(),
@@ -164,14 +156,13 @@ pub(crate) fn read_contacts(rows: &EpisodeRows, layout: &SkinLayout) -> Result<V
 }
 
 /// An episode's contacts, frame by frame.
-pub(crate) fn contact_point_rows(episode: usize, recording: &Recording) -> Vec<TruthContactPoint> {
+pub(crate) fn contact_point_rows(recording: &Recording) -> Vec<TruthContactPoint> {
     let link = |point: &ContactPoint| match recording.bodies.get(usize::from(point.link)).map(|body| &body.owner) {
         Some(BodyOwner::Link(name)) => name.as_str().into(),
         // A checked recording has no other owner there.
         _ => "".into(),
     };
     let row = |frame: usize, point: &ContactPoint| TruthContactPoint {
-        episode_index: episode as i64,
         frame_index: frame as i64,
         link: link(point),
         patch: patch_name(&recording.layout, point.patch),
@@ -190,7 +181,7 @@ pub(crate) fn contact_point_rows(episode: usize, recording: &Recording) -> Vec<T
 }
 
 /// Adds the contacts to an episode's frames.
-pub(crate) fn add_contact_points(rows: &EpisodeRows, recording: &mut Recording) -> Result<(), DiskError> {
+pub(crate) fn add_contact_points(rows: &EpisodeRows, recording: &mut Recording) -> Result<()> {
     for (batch, row) in rows.rows::<TruthContactPoint>()? {
         let owner = BodyOwner::Link(row.link.to_string());
         let link = recording.bodies.iter().position(|body| body.owner == owner);
@@ -223,9 +214,8 @@ pub(crate) fn add_contact_points(rows: &EpisodeRows, recording: &mut Recording) 
 
 /// An episode's moving bodies, one after the other: the numbers of one body change little from row to row, which
 /// compresses well.
-pub(crate) fn pose_rows(episode: usize, recording: &Recording) -> Vec<TruthPose> {
+pub(crate) fn pose_rows(recording: &Recording) -> Vec<TruthPose> {
     let row = |body: usize, point: &TrackPoint| TruthPose {
-        episode_index: episode as i64,
         body_index: body as i32,
         frame_index: point.frame.into(),
         position_world: point.position_world_m,
@@ -236,7 +226,7 @@ pub(crate) fn pose_rows(episode: usize, recording: &Recording) -> Vec<TruthPose>
 }
 
 /// Adds the motion to an episode's bodies.
-pub(crate) fn add_poses(rows: &EpisodeRows, bodies: &mut [Body]) -> Result<(), DiskError> {
+pub(crate) fn add_poses(rows: &EpisodeRows, bodies: &mut [Body]) -> Result<()> {
     let count = bodies.len();
     for (batch, row) in rows.rows::<TruthPose>()? {
         let index = usize::try_from(row.body_index).ok();
@@ -253,9 +243,8 @@ pub(crate) fn add_poses(rows: &EpisodeRows, bodies: &mut [Body]) -> Result<(), D
 }
 
 /// The map of an episode.
-pub(crate) fn map_rows(episode: usize, recording: &Recording) -> Vec<MapRow> {
+pub(crate) fn map_rows(recording: &Recording) -> Vec<MapRow> {
     let row = |obstacle: &MappedObstacle| MapRow {
-        episode_index: episode as i64,
         kind: obstacle.kind.name().into(),
         top_world: obstacle.top_world,
         radius_m: obstacle.radius_m,
@@ -267,7 +256,7 @@ pub(crate) fn map_rows(episode: usize, recording: &Recording) -> Vec<MapRow> {
 }
 
 /// Reads the map of an episode.
-pub(crate) fn read_map(rows: &EpisodeRows) -> Result<Vec<MappedObstacle>, DiskError> {
+pub(crate) fn read_map(rows: &EpisodeRows) -> Result<Vec<MappedObstacle>> {
     rows.read(|batch, row: MapRow| {
         let kind = ObstacleKind::ALL.into_iter().find(|kind| kind.name() == &*row.kind);
         Ok(MappedObstacle {
@@ -292,7 +281,7 @@ fn patch_names(recording: &Recording) -> Vec<Text> {
 /// One taxel in a hundred is in contact, so rows are better than dense columns. On 12 reaches of the training scenes
 /// dense lists took 3.7 MB and 1.3 s to read, rows 2.6 MB and 0.02 s, and lists of the taxels in contact 2.6 MB and
 /// 0.04 s. Rows are also what data frame libraries merge and filter.
-pub(crate) fn taxel_rows(episode: usize, recording: &Recording) -> Vec<TruthTaxel> {
+pub(crate) fn taxel_rows(recording: &Recording) -> Vec<TruthTaxel> {
     let patches = patch_names(recording);
     let row = |frame: usize, reading: &TaxelReading| {
         let [tangent, binormal] = reading.true_shear_force_n;
@@ -300,7 +289,6 @@ pub(crate) fn taxel_rows(episode: usize, recording: &Recording) -> Vec<TruthTaxe
         let touched = reading.object.is_some() || !forces.into_iter().all(is_nothing);
         let object = reading.object.map(usize::from);
         touched.then(|| TruthTaxel {
-            episode_index: episode as i64,
             frame_index: frame as i64,
             patch: Text::clone(&patches[usize::from(reading.patch)]),
             taxel: reading.taxel.into(),
@@ -316,7 +304,7 @@ pub(crate) fn taxel_rows(episode: usize, recording: &Recording) -> Vec<TruthTaxe
 }
 
 /// The indices of the frame and patch of a row.
-fn place(rows: &Batch, recording: &Recording, frame: i64, patch: &str) -> Result<Place, DiskError> {
+fn place(rows: &Batch, recording: &Recording, frame: i64, patch: &str) -> Result<Place> {
     let found = usize::try_from(frame).ok().filter(|frame| *frame < recording.frames.len());
     let frame = found.ok_or_else(|| {
         let allowed = format!("the index of a frame in an episode of {}", recording.frames.len());
@@ -328,7 +316,7 @@ fn place(rows: &Batch, recording: &Recording, frame: i64, patch: &str) -> Result
 }
 
 /// Adds the ground truth of taxels to an episode's frames.
-pub(crate) fn add_taxels(rows: &EpisodeRows, recording: &mut Recording) -> Result<(), DiskError> {
+pub(crate) fn add_taxels(rows: &EpisodeRows, recording: &mut Recording) -> Result<()> {
     for (batch, row) in rows.rows::<TruthTaxel>()? {
         let place = place(batch, recording, row.frame_index, &row.patch)?;
         let count = recording.layout.patches[place.patch].taxels.len();
@@ -349,11 +337,10 @@ pub(crate) fn add_taxels(rows: &EpisodeRows, recording: &mut Recording) -> Resul
 }
 
 /// An episode's patches in contact, as rows for the same reason as in [`taxel_rows`].
-pub(crate) fn patch_rows(episode: usize, recording: &Recording) -> Vec<TruthPatch> {
+pub(crate) fn patch_rows(recording: &Recording) -> Vec<TruthPatch> {
     let patches = patch_names(recording);
     let row = |frame: usize, (patch, force): (&Text, &DVec3)| {
         (*force != DVec3::ZERO).then(|| TruthPatch {
-            episode_index: episode as i64,
             frame_index: frame as i64,
             patch: Text::clone(patch),
             contact_force_world: *force,
@@ -364,7 +351,7 @@ pub(crate) fn patch_rows(episode: usize, recording: &Recording) -> Vec<TruthPatc
 }
 
 /// Adds the contact forces on patches to an episode's frames.
-pub(crate) fn add_patches(rows: &EpisodeRows, recording: &mut Recording) -> Result<(), DiskError> {
+pub(crate) fn add_patches(rows: &EpisodeRows, recording: &mut Recording) -> Result<()> {
     for (batch, row) in rows.rows::<TruthPatch>()? {
         let place = place(batch, recording, row.frame_index, &row.patch)?;
         recording.frames[place.frame].contact_force_world[place.patch] = row.contact_force_world;

@@ -8,10 +8,10 @@ use super::{COLUMNS, channel_columns, columns_of, place_columns};
 use crate::disk::files::{self, TemporaryFile};
 use crate::fault::line_of_row;
 use crate::limits::CSV_BYTES;
-use crate::{DiskError, InputError, Trial, read_bytes};
+use crate::{DiskError, InputError, Result, Trial, read_bytes};
 
 /// Reads a table.
-pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
+pub(super) fn read(path: &Path) -> Result<Vec<Trial>> {
     let text = read_bytes(path, &CSV_BYTES, "a readable file", "check the path")?;
     let remedy = "correct the line, or save the table again as CSV in UTF-8";
     let refused = |error: csv::Error| InputError::of_csv(path, "row", &text, error, remedy);
@@ -36,7 +36,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
 }
 
 /// Writes a table. Numbers are the shortest text that gives the same double when read.
-pub(super) fn write(path: &Path, channels: &[Arc<str>], trials: &[Trial]) -> Result<(), DiskError> {
+pub(super) fn write(path: &Path, channels: &[Arc<str>], trials: &[Trial]) -> Result<()> {
     // Not `DiskError::io` for each row: it copies the path.
     let failed = |error: csv::Error| DiskError::io(path, "write")(error);
     let TemporaryFile { file, registered } = files::begin(path)?;

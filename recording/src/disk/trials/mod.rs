@@ -17,30 +17,30 @@ use std::sync::Arc;
 pub use parquet_table::trial_table;
 pub use rows::whole_number;
 
-use super::DiskError;
 use super::check::{Violation, require};
 use super::files::remove_leftovers;
-use super::table::{Column, EPISODE_COLUMN, Field, Row, Text, row};
-use crate::disk::tables::dictionary::{Table, table};
+use super::table::{Column, EPISODE_COLUMN, Field, Row, Text};
+use super::{DiskError, Result};
+use crate::disk::tables::dictionary::table;
 use crate::{Category, InputError, PLAIN, Trial, distinct, is_plain};
 
-row! {
-    /// A row of [`TRIALS`].
-    TrialRow {
-        trial: u64, "", "number of the trial";
-        category: Option<Text>, "", "category of the object that was touched; null if unknown";
-        reach: Option<u64>, "", "number of the reach; null if unknown";
-        patch: Option<Text>, "", "name of the patch of skin; null if unknown";
-        taxel: Option<u32>, "", "index of the taxel in its patch; null if unknown, and for a component";
-        time_s: f64, "s", "time, which increases within a trial";
-        force_n: f64, "N", "sensed force of the taxel, or the largest in the component";
-        motion_m: Option<f64>, "m", "length of the path of the contact since it began, world frame; null if unknown";
-        region_taxels: Option<u32>, "", "number of taxels in the contact region; null without a region";
-        region_largest_force_n: Option<f64>, "N", "largest sensed force of a taxel in it";
-        region_force_sum_n: Option<f64>, "N", "sum of the sensed forces of the taxels in it";
-        touched: Option<bool>, "", "ground truth: whether an object truly pressed the taxel, or one of the \
-            component; null if unknown";
-    }
+table! {
+    /// The samples of contact trials.
+    TRIALS: TrialRow, "trials", "a table of contact trials",
+        "a sample of a trial; the columns `trial`, `time_s` and `force_n` are required, and further columns of numbers are channels";
+    trial: u64, "", "number of the trial";
+    category: Option<Text>, "", "category of the object that was touched; null if unknown";
+    reach: Option<u64>, "", "number of the reach; null if unknown";
+    patch: Option<Text>, "", "name of the patch of skin; null if unknown";
+    taxel: Option<u32>, "", "index of the taxel in its patch; null if unknown, and for a component";
+    time_s: f64, "s", "time, which increases within a trial";
+    force_n: f64, "N", "sensed force of the taxel, or the largest in the component";
+    motion_m: Option<f64>, "m", "length of the path of the contact since it began, world frame; null if unknown";
+    region_taxels: Option<u32>, "", "number of taxels in the contact region; null without a region";
+    region_largest_force_n: Option<f64>, "N", "largest sensed force of a taxel in it";
+    region_force_sum_n: Option<f64>, "N", "sum of the sensed forces of the taxels in it";
+    touched: Option<bool>, "", "ground truth: whether an object truly pressed the taxel, or one of the \
+        component; null if unknown";
 }
 
 /// The columns of some trials with these channels.
@@ -73,13 +73,6 @@ fn columns_of(trials: &[Trial], channels: &[Arc<str>]) -> Vec<Column> {
     columns
 }
 
-/// The samples of contact trials.
-pub(crate) const TRIALS: Table = table::<TrialRow>(
-    "trials",
-    "a table of contact trials",
-    "a sample of a trial; the columns `trial`, `time_s` and `force_n` are required, and further columns of numbers are channels",
-);
-
 /// The names of the columns in the order in which they are written; channels follow them.
 pub const COLUMNS: [&str; TrialRow::COLUMNS.len()] = {
     let mut names = [""; TrialRow::COLUMNS.len()];
@@ -94,7 +87,7 @@ pub const COLUMNS: [&str; TrialRow::COLUMNS.len()] = {
 const REQUIRED: [&str; 3] = ["trial", "time_s", "force_n"];
 
 /// Whether the name of a table ends in `.csv`; `false` is `.parquet`. Any other ending is an error.
-fn is_csv(path: &Path) -> Result<bool, DiskError> {
+fn is_csv(path: &Path) -> Result<bool> {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     match extension.to_ascii_lowercase().as_str() {
         "csv" => Ok(true),
@@ -108,7 +101,7 @@ fn is_csv(path: &Path) -> Result<bool, DiskError> {
 }
 
 /// The positions of the known columns in a table, in the order of [`COLUMNS`].
-fn place_columns(path: &Path, names: &[String]) -> Result<[Option<usize>; COLUMNS.len()], DiskError> {
+fn place_columns(path: &Path, names: &[String]) -> Result<[Option<usize>; COLUMNS.len()]> {
     let error = |column: &str, found: String, remedy: &str| -> DiskError {
         let allowed = format!("one column each of {}", REQUIRED.join(", "));
         InputError::new(path, column, found, allowed, remedy).into()

@@ -8,10 +8,10 @@ use super::{COLUMNS, TRIALS, channel_columns, channel_names, columns_of, place_c
 use crate::disk::footer;
 use crate::disk::table::{Batch, Column, ParquetFile, ParquetTable, ROWS_PER_BATCH, Values, Want, unknown};
 use crate::disk::tables::{about, about_entry};
-use crate::{DiskError, Trial};
+use crate::{Result, Trial};
 
 /// Reads a table.
-pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
+pub(super) fn read(path: &Path) -> Result<Vec<Trial>> {
     let table = ParquetTable::open(path)?;
     // Tables of other programs do not contain a hash.
     footer::check_if_sealed(path)?;
@@ -44,7 +44,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
 }
 
 /// An error if a column has a type that none of the columns of trials can have.
-fn check_type(path: &Path, column: &Column) -> Result<(), DiskError> {
+fn check_type(path: &Path, column: &Column) -> Result<()> {
     // One column has truth values.
     let flags = matches!(column.values, Values::Bool(_)) && column.name != "touched";
     if !column.has_lists() && (!flags || column.missing() == column.count()) {
@@ -81,7 +81,7 @@ pub fn trial_table(trials: &[Trial]) -> Batch {
 }
 
 /// Writes a table, as one row group.
-pub(super) fn write(path: &Path, channels: &[Arc<str>], trials: &[Trial]) -> Result<(), DiskError> {
+pub(super) fn write(path: &Path, channels: &[Arc<str>], trials: &[Trial]) -> Result<()> {
     let none = columns_of(&[], channels);
     let mut file = ParquetFile::create(path, &none, vec![about_entry(&[&TRIALS], &none, &[]), footer::unsealed()])?;
     let mut rows = 0;

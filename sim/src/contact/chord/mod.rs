@@ -109,10 +109,7 @@ impl<'a> Chords<'a> {
     pub fn new(shape: &dyn Shape, view: &View, faces: &'a mut Faces) -> Option<Self> {
         Some(match shape.as_typed_shape() {
             TypedShape::Ball(ball) => Chords::Capsule(Capsule::new([DVec3::ZERO; 2], ball.radius, view)),
-            TypedShape::Capsule(capsule) => {
-                let ends = [capsule.segment.a, capsule.segment.b];
-                Chords::Capsule(Capsule::new(ends, capsule.radius, view))
-            }
+            TypedShape::Capsule(own) => Chords::Capsule(Capsule::new([own.segment.a, own.segment.b], own.radius, view)),
             TypedShape::Cylinder(cylinder) => Chords::Cylinder(Cylinder::new(cylinder, view)),
             TypedShape::Cuboid(cuboid) => Chords::Box(Slabs::new(cuboid, view)),
             TypedShape::ConvexPolyhedron(hull) => {

@@ -174,11 +174,8 @@ impl Endless {
         let Endless { axis, limit, square, sine, flat, across } = *self;
         if square <= PARALLEL * PARALLEL {
             let away = offset.truncate();
-            return Round {
-                inside: Slope { value: limit - away.length_squared(), gradient: -2.0 * away },
-                square: 0.0,
-                middle: 0.0,
-            };
+            let inside = Slope { value: limit - away.length_squared(), gradient: -2.0 * away };
+            return Round { inside, square: 0.0, middle: 0.0 };
         }
         let distance = offset.truncate().dot(across);
         Round {

@@ -82,6 +82,7 @@ impl ArmShapes {
     ) -> Option<f64> {
         let around: Vec<Capsule> = self.parts.iter().map(|part| part.around.on(&link_poses[part.link])).collect();
         let mut share = f64::INFINITY;
+        let positive = |room_m: f64| if room_m <= 0.0 { None } else { Some(room_m) };
         // The hand comes first, because it moves farthest. What is so far away that it cannot make the share smaller is ruled out by
         // balls, which is most.
         for (part, around) in self.parts.iter().zip(&around).skip(self.of_base).rev() {
@@ -91,17 +92,11 @@ impl ArmShapes {
             let (middle, reach_m) = around.ball();
             for obstacle in obstacles {
                 if !obstacle.is_farther(middle, reach_m + margin_m + room_m) {
-                    room_m = room_m.min(part.distance_m(pose, around, obstacle, margin_m) - margin_m);
-                }
-                if room_m <= 0.0 {
-                    return None;
+                    room_m = positive(room_m.min(part.distance_m(pose, around, obstacle, margin_m) - margin_m))?;
                 }
             }
             if part.above_floor {
-                room_m = room_m.min(part.above_m(pose, self.floor_height_m));
-            }
-            if room_m <= 0.0 {
-                return None;
+                room_m = positive(room_m.min(part.above_m(pose, self.floor_height_m)))?;
             }
             share = share.min(room_m / moved_m);
         }
@@ -113,10 +108,7 @@ impl ArmShapes {
             if around_near.is_farther(middle, reach_m + share * moved_m + ROUNDING_M) {
                 continue;
             }
-            let room_m = near.distance_to_part_m(far, link_poses);
-            if room_m <= 0.0 {
-                return None;
-            }
+            let room_m = positive(near.distance_to_part_m(far, link_poses))?;
             share = share.min(room_m / moved_m);
         }
         Some(share)
@@ -221,13 +213,8 @@ fn around(collider: &LinkCollider) -> (Capsule, bool) {
         BodyShape::Sphere { radius_m } => (along_z(0.0, *radius_m), true),
         BodyShape::Capsule { radius_m, length_m } => (along_z(length_m / 2.0, *radius_m), true),
         BodyShape::Cylinder { radius_m, length_m } => (along_z(length_m / 2.0, *radius_m), false),
-        BodyShape::Box { size_m } => {
-            let corner = *size_m / 2.0;
-            let signs = [-1.0, 1.0];
-            let corners = signs.iter().flat_map(|x| signs.iter().map(move |y| DVec3::new(*x, *y, 1.0)));
-            let corners: Vec<DVec3> = corners.flat_map(|sign| [sign * corner, -sign * corner]).collect();
-            (around_points(&corners), false)
-        }
+        // The other corners lie as far from the middle along each axis as these two.
+        BodyShape::Box { size_m } => (around_points(&[-*size_m / 2.0, *size_m / 2.0]), false),
         BodyShape::Hull { points_m } => (around_points(points_m), false),
     };
     (around.on(&collider.pose_link), is_capsule)

@@ -94,7 +94,6 @@ impl BareSurface {
             (left, force_n, touch, DVector::from_column_slice(into.as_slice()))
         };
         let fits = self.points.iter().map(fit).filter(|(left, force_n, ..)| *force_n > 0.0 && *left < UNEXPLAINED);
-        let best = fits.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some((best.1, best.2, best.3))
+        fits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, force_n, touch, into)| (force_n, touch, into))
     }
 }

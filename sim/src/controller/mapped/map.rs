@@ -144,10 +144,8 @@ impl Obstacle {
     /// The obstacle as a planner sees it. It stands on the ground; its top is at `top_m`, world frame, or a little above
     /// the highest touch if that is higher, unless it is seen as low or known.
     pub fn capsule(&self, caution: Caution, top_m: f64) -> Capsule {
-        let thinner_m = match caution.is_thin && !self.is_known {
-            true => self.covariance_m2.diagonal().max().sqrt(),
-            false => 0.0,
-        };
+        let is_thin = caution.is_thin && !self.is_known;
+        let thinner_m = if is_thin { self.covariance_m2.diagonal().max().sqrt() } else { 0.0 };
         let radius_m = (self.radius_m() - thinner_m).max(RADII_M[0]);
         let least_m = self.touched_height_m + ABOVE_TOUCH_M;
         let top_m = match (self.is_known, caution.is_low) {

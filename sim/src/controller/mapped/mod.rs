@@ -8,7 +8,6 @@
 //! that are to be pressed less than the usual limit, and those of which nothing is known, are obstacles once they have held.
 //! Other objects are obstacles only if they stop the arm.
 
-use std::borrow::Cow;
 use std::collections::VecDeque;
 
 use nalgebra::DVector;
@@ -94,7 +93,7 @@ pub struct Mapped {
     /// Velocities of the joints at the last control step, rad/s.
     velocity_rad_per_s: Vec<f64>,
     plans: u64,
-    /// Postures on the way that the arm came, the latest last.
+    /// Postures on the way that the arm came, the latest first.
     trail: VecDeque<Vec<f64>>,
     pursuit: Option<Pursuit>,
 }
@@ -128,18 +127,18 @@ impl Mapped {
         Mapped { map, knows_all: true, ..self }
     }
 
-    /// The contacts, without their verdicts once these are not believed any more. Also takes what was called fixed and gives
+    /// The contacts without their verdicts, once these are not believed any more. Also takes what was called fixed and gives
     /// way off the map.
-    fn believed<'a>(&mut self, contacts: &'a [TaxelContact]) -> Cow<'a, [TaxelContact]> {
+    fn without_verdicts(&mut self, contacts: &[TaxelContact]) -> Option<Vec<TaxelContact>> {
         let usual_n = self.preset.force_limit_n;
-        let was_given = self.trust.is_given();
+        let was_lost = self.trust.is_lost;
         for touch in self.trust.take_in(&judged(contacts, usual_n, self.knows_all), usual_n, self.time_s) {
             self.map.give_way(&touch);
         }
-        if self.trust.is_given() {
-            return Cow::Borrowed(contacts);
+        if !self.trust.is_lost {
+            return None;
         }
-        if was_given {
+        if !was_lost {
             self.map.forget_fixed();
         }
         let blind = |contact: &TaxelContact| TaxelContact {
@@ -147,17 +146,15 @@ impl Mapped {
             verdict: None,
             ..contact.clone()
         };
-        contacts.iter().map(blind).collect()
+        Some(contacts.iter().map(blind).collect())
     }
 
     /// Equilibrium angles for this instant, and what the controller is about to do.
     fn go_on(&mut self, input: &ControllerInput, link_poses: &[Pose]) -> (Vec<f64>, Intent) {
         let (q, phi) = (&input.joint_angle_rad, &input.equilibrium_angle_rad);
-        if self.trail.back().is_none_or(|last| largest_change_rad(last, q) > TRAIL_RAD) {
-            self.trail.push_back(q.to_vec());
-            if self.trail.len() > TRAIL {
-                self.trail.pop_front();
-            }
+        if self.trail.front().is_none_or(|last| largest_change_rad(last, q) > TRAIL_RAD) {
+            self.trail.push_front(q.to_vec());
+            self.trail.truncate(TRAIL);
         }
         let mut contacts = judged(&input.contacts, self.preset.force_limit_n, self.knows_all);
         self.trust.allow_what_gave_way(&mut contacts, self.preset.force_limit_n);
@@ -260,10 +257,8 @@ impl Controller for Mapped {
 
     fn control(&mut self, input: &ControllerInput) -> ControllerOutput {
         self.time_s += 1.0 / self.preset.rate_hz;
-        let blind = match self.believed(&input.contacts) {
-            Cow::Borrowed(_) => None,
-            Cow::Owned(contacts) => Some(ControllerInput { contacts, ..input.clone() }),
-        };
+        let blind = self.without_verdicts(&input.contacts);
+        let blind = blind.map(|contacts| ControllerInput { contacts, ..input.clone() });
         let input = blind.as_ref().unwrap_or(input);
         let poses = self.arm.forward_kinematics(&input.joint_angle_rad);
         self.map.visit(&self.shapes, &poses, self.top_m, self.time_s);
@@ -271,9 +266,8 @@ impl Controller for Mapped {
             self.begin(input);
         }
         let (mut equilibrium_angle_rad, intent) = self.go_on(input, &poses);
-        for ((angle, before), joint) in
-            equilibrium_angle_rad.iter_mut().zip(&input.equilibrium_angle_rad).zip(&self.arm.joints)
-        {
+        let joints = input.equilibrium_angle_rad.iter().zip(&self.arm.joints);
+        for (angle, (before, joint)) in equilibrium_angle_rad.iter_mut().zip(joints) {
             let largest = joint.slew_limit_rad_per_s / self.preset.rate_hz;
             *angle = angle.clamp(before - largest, before + largest);
         }

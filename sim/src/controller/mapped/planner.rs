@@ -4,6 +4,8 @@
 //! All random numbers come from one stream, and all work is counted in postures that are evaluated, never in time, so a
 //! plan is the same on every machine.
 
+use std::slice::from_ref;
+
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -126,9 +128,7 @@ impl<'a> Planner<'a> {
         let longest = 0.1 / largest_change_rad(from_rad, to_rad).max(0.1);
         let mut share = 0.0;
         while share < 1.0 {
-            let Some(free) = self.free_share(&between(from_rad, to_rad, share), &change) else {
-                return false;
-            };
+            let Some(free) = self.free_share(&between(from_rad, to_rad, share), &change) else { return false };
             let step = free.max(stride);
             share += if self.forbidden.is_empty() { step } else { step.min(longest) };
         }
@@ -293,10 +293,7 @@ impl<'a> Planner<'a> {
         let near_rad = tree.posture(near);
         let length = largest_change_rad(near_rad, target_rad);
         let is_there = length <= EDGE_RAD;
-        let posture = match is_there {
-            true => target_rad.to_vec(),
-            false => between(near_rad, target_rad, EDGE_RAD / length),
-        };
+        let posture = if is_there { target_rad.to_vec() } else { between(near_rad, target_rad, EDGE_RAD / length) };
         if !self.is_free_between(near_rad, &posture) {
             return (false, None);
         }
@@ -323,18 +320,15 @@ impl<'a> Planner<'a> {
             }
             let edges = path.len() - 1;
             let mut draw = || ((random.random::<f64>() * edges as f64) as usize, random.random::<f64>());
-            let (mut first, mut second) = (draw(), draw());
-            if first.0 > second.0 {
-                std::mem::swap(&mut first, &mut second);
-            }
+            let mut ends = [draw(), draw()];
+            ends.sort_by_key(|(edge, _)| *edge);
+            let [first, second] = ends;
             if first.0 == second.0 {
                 continue;
             }
             let at = |(edge, share): (usize, f64)| between(&path[edge], &path[edge + 1], share);
             let (leave, join) = (at(first), at(second));
-            let mut old = vec![leave.clone()];
-            old.extend_from_slice(&path[first.0 + 1..=second.0]);
-            old.push(join.clone());
+            let old = [from_ref(&leave), &path[first.0 + 1..=second.0], from_ref(&join)].concat();
             if time(&leave, &join) + 1e-6 < length(&old) && self.is_free_between(&leave, &join) {
                 path.splice(first.0 + 1..=second.0, [leave, join]);
             }

@@ -42,7 +42,7 @@ impl Mapped {
             joints.iter().zip(posture).map(|(joint, angle)| joint.within_limits(*angle)).collect()
         };
         let from_rad = within(from_rad);
-        let back: Postures = self.trail.iter().rev().map(|posture| within(posture)).collect();
+        let back: Postures = self.trail.iter().map(|posture| within(posture)).collect();
         let (mut evaluations, mut forgotten) = (0, 0);
         loop {
             let mut reason = NoWay::NotFound;

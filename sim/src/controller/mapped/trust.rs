@@ -44,7 +44,8 @@ pub(super) struct Trust {
     pressed: Vec<Pressed>,
     right: usize,
     wrong: usize,
-    is_lost: bool,
+    /// Whether verdicts are not believed any more, because they have been wrong more often than right.
+    pub(super) is_lost: bool,
 }
 
 impl Pressed {
@@ -99,11 +100,6 @@ impl Trust {
         }
         self.is_lost |= self.wrong > self.right;
         given_way
-    }
-
-    /// Whether verdicts are believed. They are, until they have been wrong more often than right.
-    pub(super) fn is_given(&self) -> bool {
-        !self.is_lost
     }
 
     /// Whether what is touched has held.

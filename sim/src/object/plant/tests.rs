@@ -46,9 +46,9 @@ fn blades_droop_as_drawn() {
         let droop_deg = plant.parameters()["droop_deg"];
         // Hinges lie within the blade, so the highest piece already droops by the first hinge's part.
         assert!(high - low < droop_deg && high - low > 0.5 * droop_deg, "{low} {high} {droop_deg}");
-        let Footprint::Disc(radius_m) = plant.footprint() else { panic!("not a disc") };
+        let (Footprint::Disc(radius_m), height_m) = plant.size() else { panic!("not a disc") };
         for pose in &poses {
-            assert!(pose.position.truncate().length() <= radius_m && pose.position.z <= plant.height_m());
+            assert!(pose.position.truncate().length() <= radius_m && pose.position.z <= height_m);
             assert!(pose.position.z >= 0.0);
         }
     }

@@ -39,12 +39,8 @@ impl Object for Wand {
         true
     }
 
-    fn footprint(&self) -> Footprint {
-        Footprint::Disc(RADIUS_M)
-    }
-
-    fn height_m(&self) -> f64 {
-        self.height_m
+    fn size(&self) -> (Footprint, f64) {
+        (Footprint::Disc(RADIUS_M), self.height_m)
     }
 
     fn structure(&self, _: f64) -> Structure {

@@ -46,8 +46,8 @@ impl ContactStep {
 
     /// Keeps what the pairs need in the next step.
     pub(super) fn keep(&mut self) {
-        let scratch = &mut self.scratch;
-        scratch.kept.clear();
+        let ContactStep { kept, scratch, .. } = self;
+        kept.clear();
         for (patch, candidate) in scratch.solver.patches.iter().zip(&scratch.candidates) {
             let to_body = |vector| candidate.body_poses[1].inverse_transform_vector(vector);
             let deflection = if patch.normal.impulse[0] > 0.0 { patch.deflection_after_m() } else { Vector3::zeros() };
@@ -60,11 +60,10 @@ impl ContactStep {
                 deflection_about_normal: deflection[2],
             };
             let normal = to_body(candidate.next.normal_world);
-            let kept = Kept { bodies: candidate.bodies, normal, patch: Some(patch) };
-            scratch.kept.push((key(&candidate.colliders), kept));
+            let own = Kept { bodies: candidate.bodies, normal, patch: Some(patch) };
+            kept.push((key(&candidate.colliders), own));
         }
-        scratch.kept.append(&mut scratch.apart);
-        scratch.kept.sort_unstable_by_key(|(pair, _)| *pair);
-        std::mem::swap(&mut self.kept, &mut scratch.kept);
+        kept.append(&mut scratch.apart);
+        kept.sort_unstable_by_key(|(pair, _)| *pair);
     }
 }

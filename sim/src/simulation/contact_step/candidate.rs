@@ -36,7 +36,7 @@ pub(super) struct Candidate {
 /// Two shapes that are near each other, of which at least one can move, as they lie when the step begins.
 pub(super) struct Meeting<'a> {
     scene: &'a Scene,
-    handles: [ColliderHandle; 2],
+    colliders: [ColliderHandle; 2],
     bodies: PairKey,
     /// `None` for a link that cannot move.
     links: [Option<PlacedLink>; 2],
@@ -48,16 +48,16 @@ pub(super) struct Meeting<'a> {
 }
 
 impl<'a> Meeting<'a> {
-    pub(super) fn new(scene: &'a Scene, handles: [ColliderHandle; 2], mounts: [&Mount; 2], step_s: f64) -> Self {
+    pub(super) fn new(scene: &'a Scene, colliders: [ColliderHandle; 2], mounts: [&Mount; 2], step_s: f64) -> Self {
         let links = mounts.map(|mount| mount.moves.then_some(mount.at));
         Meeting {
             scene,
-            handles,
+            colliders,
             bodies: mounts.map(|Mount { at, .. }| scene.placed(at.slot).bodies[at.link].into_raw_parts()),
             links,
             body_poses: mounts.map(|mount| *scene.link_pose(mount.at)),
             pair: Pair {
-                shapes: handles.map(|handle| scene.shape(handle)),
+                shapes: colliders.map(|collider| scene.shape(collider)),
                 poses_world: mounts.map(|mount| mount.pose_world),
             },
             near_m: mounts[0].near_m(mounts[1]),
@@ -124,18 +124,16 @@ impl ContactStep {
         let body_pose = &meeting.body_poses[1];
         let mut apart_before = None;
         let deepest_m = |nodes: &[Node]| nodes.iter().map(|node| node.overlap_m).fold(0.0, f64::max);
-        let kept = self.kept(&key(&meeting.handles));
+        let kept = self.kept(&key(&meeting.colliders));
         if let Some(kept) = kept {
             let normal_world = body_pose.transform_vector(kept.normal);
             if meeting.are_apart(normal_world) {
                 return Found::Apart(normal_world);
             }
             if let Some(patch) = &kept.patch {
-                let known = Known {
-                    origin_world: body_pose.transform_point(patch.origin),
-                    normal_world,
-                    region: Some((patch.outline, body_pose.transform_vector(patch.strip))),
-                };
+                let origin_world = body_pose.transform_point(patch.origin);
+                let region = Some((patch.outline, body_pose.transform_vector(patch.strip)));
+                let known = Known { origin_world, normal_world, region };
                 let first_node = nodes.len();
                 if let Some(candidate) = meeting.candidate(&known, Some(patch), nodes, faces)
                     && deepest_m(&nodes[first_node..]) < MAX_KEPT_OVERLAP_M
@@ -181,15 +179,12 @@ impl Meeting<'_> {
 
     /// Whether no column along this direction can press in this step.
     fn are_apart(&self, normal_world: DVec3) -> bool {
-        let (Some(lowest), Some(highest)) = (self.pair.farthest(0, -normal_world), self.pair.farthest(1, normal_world))
-        else {
-            return false;
-        };
+        let farthest = |side, direction_world| self.pair.farthest(side, direction_world);
+        let ends_world = farthest(0, -normal_world).zip(farthest(1, normal_world));
+        let Some((lowest, highest)) = ends_world else { return false };
         let gap_m = (lowest - highest).dot(normal_world);
-        gap_m > 0.0
-            && [lowest, highest]
-                .into_iter()
-                .all(|point| -gap_m <= self.closing_m(&self.motions(point), normal_world, -gap_m))
+        let stays_apart = |point| -gap_m <= self.closing_m(&self.motions(point), normal_world, -gap_m);
+        gap_m > 0.0 && [lowest, highest].into_iter().all(stays_apart)
     }
 
     /// The patch of a contact that is roughly known, if it may press.
@@ -200,7 +195,7 @@ impl Meeting<'_> {
         nodes: &mut Vec<Node>,
         faces: &mut [Faces; 2],
     ) -> Option<Candidate> {
-        let &Meeting { handles, bodies, links, body_poses, ref pair, law, .. } = self;
+        let &Meeting { colliders, bodies, links, body_poses, ref pair, law, .. } = self;
         let first_node = nodes.len();
         let mut before = NormalSpeeds::zeros();
         let (plane, next) = settle(
@@ -223,25 +218,11 @@ impl Meeting<'_> {
         let (center, radius_m) = law.center_and_radius(&nodes[first_node..], &before);
         let deflection = kept.map_or(Vector3::zeros(), |kept| {
             let deflection_world = body_poses[1].transform_vector(kept.deflection);
-            Vector3::new(
-                deflection_world.dot(plane.tangents_world[0]),
-                deflection_world.dot(plane.tangents_world[1]),
-                kept.deflection_about_normal,
-            )
+            let [first, second] = plane.tangents_world.map(|tangent| deflection_world.dot(tangent));
+            Vector3::new(first, second, kept.deflection_about_normal)
         });
-        Some(Candidate {
-            colliders: handles,
-            bodies,
-            links,
-            body_poses,
-            plane,
-            next,
-            law,
-            nodes: (first_node, nodes.len()),
-            center,
-            radius_m,
-            deflection,
-        })
+        let nodes = (first_node, nodes.len());
+        Some(Candidate { colliders, bodies, links, body_poses, plane, next, law, nodes, center, radius_m, deflection })
     }
 }
 

@@ -24,9 +24,7 @@ impl Meeting<'_> {
         if least_m <= SHALLOW_M {
             return 0.0;
         }
-        let Some((plane, overlap_m)) = self.common(normal_world, faces) else {
-            return 0.0;
-        };
+        let Some((plane, overlap_m)) = self.common(normal_world, faces) else { return 0.0 };
         let along_list = (plane.origin_world, normal_world, overlap_m.min(least_m));
         // The engine's library knows the direction better, where it finds the overlap.
         let (point_world, normal_world, overlap_m) = self.deepest().unwrap_or(along_list);
@@ -38,12 +36,11 @@ impl Meeting<'_> {
     /// there, m.
     fn common(&self, normal_world: DVec3, faces: &mut [Faces; 2]) -> Option<(Plane, f64)> {
         // Columns of the overlap lie within the smaller shape.
-        let spheres = [0, 1].map(|side| {
+        let [first, second] = [0, 1].map(|side| {
             let sphere = self.pair.shapes[side].compute_local_bounding_sphere();
             let center_world = self.pair.poses_world[side].transform_point(sphere.center);
             (center_world, sphere.radius)
         });
-        let [first, second] = spheres;
         let (center_world, radius_m) = if first.1 < second.1 { first } else { second };
         let plane = self.pair.plane(center_world, normal_world);
         let (place, overlap_m) = Columns::new(&self.pair, &plane, faces)?.common(radius_m)?;

@@ -107,7 +107,6 @@ struct Scratch {
     /// By slot: Σ k/m over the contacts, 1/s².
     contact_rate: Vec<f64>,
     blocks: Blocks,
-    kept: Vec<(PairKey, Kept)>,
     solver: Solver,
 }
 

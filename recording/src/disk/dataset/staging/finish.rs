@@ -26,7 +26,7 @@ use crate::disk::tables::FURTHER;
 use crate::disk::tables::episode::{Episode, write_episodes};
 use crate::disk::tables::frames::{FRAME_COLUMNS, Feature, Numbering, ReachRows, columns_of, features};
 use crate::disk::tables::shared_tables::{write_tasks, write_taxels};
-use crate::{Category, DiskError, Recording};
+use crate::{Category, DiskError, Recording, Result};
 
 /// A reach that is ready for the files of the set: only its place in them is missing. Preparing one needs no other, so each
 /// thread prepares its own.
@@ -47,12 +47,7 @@ struct Prepared {
 
 impl Prepared {
     /// Prepares a reach that is staged at a path and gets this place in the set.
-    fn new(
-        staged: &Path,
-        recording: &Recording,
-        numbering: Numbering,
-        features: &[Feature],
-    ) -> Result<Self, DiskError> {
+    fn new(staged: &Path, recording: &Recording, numbering: Numbering, features: &[Feature]) -> Result<Self> {
         let rows = ReachRows { recording, numbering, moves: Vec::new() };
         let columns = columns_of(features, &rows, 0..0);
         let mut statistics = Statistics::new(features);
@@ -77,8 +72,8 @@ impl Prepared {
 /// them staged, because the size of a staged file decides where a new data file begins.
 pub(crate) fn assemble_from(
     staging: &Staging,
-    read: &mut dyn FnMut(Range<usize>) -> Vec<Result<Recording, DiskError>>,
-) -> Result<(), DiskError> {
+    read: &mut dyn FnMut(Range<usize>) -> Vec<Result<Recording>>,
+) -> Result<()> {
     let (dir, plan) = (staging.dir.as_path(), &staging.plan);
     let features = features(FRAME_COLUMNS, &plan.joint_names, &plan.layout);
     let begun = || Assembled { statistics: Statistics::new(&features), ..Assembled::default() };
@@ -145,7 +140,7 @@ pub(crate) fn assemble_from(
 }
 
 /// Hashes all other files, then writes the file that makes the set complete.
-fn finish_with_info(dir: &Path, info: &Info, categories: &[Category], assembled: Assembled) -> Result<(), DiskError> {
+fn finish_with_info(dir: &Path, info: &Info, categories: &[Category], assembled: Assembled) -> Result<()> {
     let path = dir.join(names::INFO);
     let bytes = json_bytes(&path, info)?;
     let card = card(info, categories);

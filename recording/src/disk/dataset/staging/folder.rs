@@ -14,7 +14,7 @@ use crate::disk::dataset::{Dataset, DatasetPlan, names};
 use crate::disk::files::{
     TEMPORARY_PREFIX, is_there, json_bytes, metadata, remove_if_there, sync_folder, write_new_bytes,
 };
-use crate::{DiskError, InputError};
+use crate::{DiskError, InputError, Result};
 
 /// How often locking or removing `incomplete/` is tried. Choice: each attempt fails only if another process starts or ends at
 /// that very moment.
@@ -41,7 +41,7 @@ impl Staging {
     }
 
     /// Removes the staged reaches at some positions of the plan.
-    pub(crate) fn remove(&self, mut positions: Range<usize>) -> Result<(), DiskError> {
+    pub(crate) fn remove(&self, mut positions: Range<usize>) -> Result<()> {
         positions.try_for_each(|position| remove_if_there(&self.path(position)))
     }
 }
@@ -55,8 +55,8 @@ pub(crate) enum Folder {
 }
 
 /// Finds out what a folder holds.
-pub(crate) fn look(dir: &Path) -> Result<Folder, DiskError> {
-    let of_ours = || -> Result<Option<Folder>, DiskError> {
+pub(crate) fn look(dir: &Path) -> Result<Folder> {
+    let of_ours = || -> Result<Option<Folder>> {
         // The plan is removed after everything else has been written, so it has to be looked for first.
         let [plan, info] = [names::PLAN, names::INFO].map(|name| is_there(&dir.join(name)));
         Ok(match (plan?, info?) {
@@ -68,9 +68,7 @@ pub(crate) fn look(dir: &Path) -> Result<Folder, DiskError> {
     if let Some(folder) = of_ours()? {
         return Ok(folder);
     }
-    let Some(found) = metadata(dir)? else {
-        return Ok(Folder::Empty);
-    };
+    let Some(found) = metadata(dir)? else { return Ok(Folder::Empty) };
     if !found.is_dir() {
         let remedy = "choose an empty or a new folder";
         return Err(InputError::new(dir, "folder of the data set", "a file", "a folder", remedy).into());
@@ -90,19 +88,19 @@ pub(crate) fn look(dir: &Path) -> Result<Folder, DiskError> {
 }
 
 /// Names of the files and folders in a folder.
-pub(crate) fn list(folder: &Path) -> Result<Vec<String>, DiskError> {
+pub(crate) fn list(folder: &Path) -> Result<Vec<String>> {
     let entries = fs::read_dir(folder).map_err(DiskError::io(folder, "read"))?;
     let name = |entry: std::io::Result<fs::DirEntry>| Ok(entry?.file_name().to_string_lossy().into_owned());
     entries.map(name).collect::<std::io::Result<_>>().map_err(DiskError::io(folder, "read"))
 }
 
 /// The same without hidden ones, which may lie beside a data set.
-fn shown(folder: &Path) -> Result<Vec<String>, DiskError> {
+fn shown(folder: &Path) -> Result<Vec<String>> {
     Ok(list(folder)?.into_iter().filter(|name| !names::is_hidden(name)).collect())
 }
 
 /// Stores the plan. If there is one already, it must be the same.
-pub(crate) fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
+pub(crate) fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<()> {
     let path = dir.join(names::PLAN);
     if !is_there(&path)? {
         write_new_bytes(&path, &json_bytes(&path, plan)?)?;
@@ -111,13 +109,13 @@ pub(crate) fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskErro
 }
 
 /// Checks that the finished set in a folder has the given plan, and returns an error if it does not.
-pub(crate) fn require_same_set(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
+pub(crate) fn require_same_set(dir: &Path, plan: &DatasetPlan) -> Result<()> {
     let stored = serde_json::to_value(Dataset::open(dir)?.plan()).map_err(DiskError::io(dir, "compare"))?;
     require_same(dir, &stored, plan)
 }
 
 /// Refuses files in the folders of the set that this program did not write. They would be removed with leftovers.
-pub(crate) fn require_own_files(dir: &Path) -> Result<(), DiskError> {
+pub(crate) fn require_own_files(dir: &Path) -> Result<()> {
     let foreign = |name: &String| !(names::is_own(name) || names::is_hidden(name));
     let Some(name) = files_of_set(dir)?.into_iter().find(foreign) else { return Ok(()) };
     let remedy = "move the file away, or choose another folder for the data set";
@@ -126,7 +124,7 @@ pub(crate) fn require_own_files(dir: &Path) -> Result<(), DiskError> {
 }
 
 /// The lock file of a folder. It is removed after the plan, so all processes open the same file while there is a plan.
-pub(crate) fn open_lock(dir: &Path) -> Result<File, DiskError> {
+pub(crate) fn open_lock(dir: &Path) -> Result<File> {
     let path = dir.join(names::LOCK);
     let mut options = File::options();
     // Network file systems allow a shared lock only on files that are open for reading.
@@ -144,7 +142,7 @@ pub(crate) fn not_locked(dir: &Path) -> impl FnOnce(TryLockError) -> DiskError {
 }
 
 /// An error unless the stored plan of a folder is the given one.
-fn require_same(dir: &Path, stored: &Value, plan: &DatasetPlan) -> Result<(), DiskError> {
+fn require_same(dir: &Path, stored: &Value, plan: &DatasetPlan) -> Result<()> {
     let given = serde_json::to_value(plan).map_err(DiskError::io(dir, "compare"))?;
     match first_difference(stored, &given) {
         None => Ok(()),
@@ -184,7 +182,7 @@ pub fn make_room(dir: &Path, force: bool) -> Result<(), DiskError> {
 }
 
 /// Removes the folder `incomplete/` of a set whose plan has been removed. The set is then finished.
-pub(crate) fn remove_incomplete(dir: &Path) -> Result<(), DiskError> {
+pub(crate) fn remove_incomplete(dir: &Path) -> Result<()> {
     let incomplete = dir.join(names::INCOMPLETE);
     for _ in 0..ATTEMPTS {
         match fs::remove_dir_all(&incomplete) {

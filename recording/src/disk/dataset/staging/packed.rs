@@ -25,7 +25,7 @@ use crate::disk::dataset::checksums::{Checksums, FileSum};
 use crate::disk::dataset::names;
 use crate::disk::files::{is_there, write_bytes};
 use crate::disk::tables::episode::Episode;
-use crate::{DiskError, Frame, InputError, Recording, TrackPoint};
+use crate::{DiskError, Frame, InputError, Recording, Result, TrackPoint};
 
 /// zstd's fastest level except for the negative ones, as in the Parquet files.
 const LEVEL: i32 = 1;
@@ -34,7 +34,7 @@ const LEVEL: i32 = 1;
 ///
 /// # Errors
 /// [`DiskError::Unwritable`] for a recording that breaks a rule of its types; [`DiskError::Io`] if it cannot be written.
-pub(crate) fn write_reach(path: &Path, recording: &Recording) -> Result<FileSum, DiskError> {
+pub(crate) fn write_reach(path: &Path, recording: &Recording) -> Result<FileSum> {
     check_recording(recording).map_err(|violation| violation.unwritable(path))?;
     let bytes = encode(recording).map_err(DiskError::io(path, "write"))?;
     write_bytes(path, &bytes)?;
@@ -45,7 +45,7 @@ pub(crate) fn write_reach(path: &Path, recording: &Recording) -> Result<FileSum,
 ///
 /// # Errors
 /// [`DiskError::Io`] for a file that cannot be read; [`DiskError::Input`] for one that is damaged.
-pub(crate) fn read_reach(path: &Path) -> Result<Recording, DiskError> {
+pub(crate) fn read_reach(path: &Path) -> Result<Recording> {
     let bytes = fs::read(path).map_err(DiskError::io(path, "read"))?;
     let recording = decode(&bytes).map_err(|cause| {
         let remedy = "remove the file, and generate the set with --resume";
@@ -106,7 +106,7 @@ impl Assembled {
     ///
     /// # Errors
     /// [`DiskError::Io`] if a file cannot be read. Its reaches are no longer staged, so they must not count as missing.
-    pub(crate) fn read(dir: &Path) -> Result<Option<Self>, DiskError> {
+    pub(crate) fn read(dir: &Path) -> Result<Option<Self>> {
         let path = dir.join(names::ASSEMBLED);
         if !is_there(&path)? {
             return Ok(None);
@@ -124,7 +124,7 @@ impl Assembled {
 
     /// Closes the current files and stores the progress. The staged reaches of the episodes so far are then no longer
     /// needed.
-    pub(crate) fn files_end(&mut self, files: &mut TableFiles, dir: &Path) -> Result<(), DiskError> {
+    pub(crate) fn files_end(&mut self, files: &mut TableFiles, dir: &Path) -> Result<()> {
         self.checksums.add_files(dir, files.close()?)?;
         self.files = files.begun;
         let path = dir.join(names::ASSEMBLED);

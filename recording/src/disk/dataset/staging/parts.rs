@@ -17,7 +17,7 @@ use super::folder::not_locked;
 use crate::disk::dataset::plan::first_difference;
 use crate::disk::dataset::{Dataset, DatasetPlan, DatasetWriter, PlannedEpisode, Shard, names};
 use crate::disk::files::is_there;
-use crate::{DiskError, InputError};
+use crate::{DiskError, InputError, Result};
 
 impl DatasetWriter {
     /// Starts or continues a data set in a folder that several processes share. Each process passes the plan of the whole set,
@@ -70,7 +70,7 @@ pub struct Shards {
 const MOST_NAMED: usize = 8;
 
 /// The plan of a part, without the fields that differ between parts.
-fn common(part: &Dataset) -> Result<Value, DiskError> {
+fn common(part: &Dataset) -> Result<Value> {
     let mut plan = part.plan().clone();
     plan.provenance.shard = None;
     plan.episodes.clear();
@@ -89,7 +89,7 @@ fn shard_of(set: &Dataset) -> Result<Shard, InputError> {
 }
 
 /// An error unless the part belongs to the same campaign as the first.
-fn require_same_campaign(first: &Dataset, part: &Dataset) -> Result<(), DiskError> {
+fn require_same_campaign(first: &Dataset, part: &Dataset) -> Result<()> {
     let remedy = "merge only parts that were generated from the same scenes, arms, seed, options and version";
     let error = |field: &str, found: String, allowed: String| -> DiskError {
         let allowed = format!("{allowed}, as in {}", first.dir().display());
@@ -106,12 +106,10 @@ fn require_same_campaign(first: &Dataset, part: &Dataset) -> Result<(), DiskErro
 }
 
 /// An error that names the missing parts, if there are any.
-fn require_all(places: &BTreeMap<u64, Dataset>, count: u64) -> Result<(), DiskError> {
+fn require_all(places: &BTreeMap<u64, Dataset>, count: u64) -> Result<()> {
     let absent = (0..count).filter(|index| !places.contains_key(index));
     let named: Vec<String> = absent.take(MOST_NAMED).map(|index| Shard { index, count }.to_string()).collect();
-    let Some(first) = places.values().next().filter(|_| !named.is_empty()) else {
-        return Ok(());
-    };
+    let Some(first) = places.values().next().filter(|_| !named.is_empty()) else { return Ok(()) };
     let more = count - places.len() as u64 - named.len() as u64;
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     let found = format!("{} of {count} parts, without {}{more}", places.len(), named.join(", "));
@@ -120,7 +118,7 @@ fn require_all(places: &BTreeMap<u64, Dataset>, count: u64) -> Result<(), DiskEr
 }
 
 /// The reaches of the whole campaign, in order, from those of its parts.
-fn joined(parts: &[Dataset], whole: &DatasetPlan) -> Result<Vec<PlannedEpisode>, DiskError> {
+fn joined(parts: &[Dataset], whole: &DatasetPlan) -> Result<Vec<PlannedEpisode>> {
     let mut plans: Vec<_> = parts.iter().map(|part| part.plan().episodes.iter()).collect();
     let count: usize = plans.iter().map(ExactSizeIterator::len).sum();
     let error = |part: usize, found: &str| -> DiskError {
@@ -197,7 +195,7 @@ impl Shards {
     }
 
     /// Writes the set with a writer for its plan.
-    pub(crate) fn merge_with(&self, writer: DatasetWriter, mut merged: impl FnMut()) -> Result<Dataset, DiskError> {
+    pub(crate) fn merge_with(&self, writer: DatasetWriter, mut merged: impl FnMut()) -> Result<Dataset> {
         let count = self.parts.len();
         writer.finish_from(|position| {
             let recording = self.parts[position % count].read_reach(position / count)?;

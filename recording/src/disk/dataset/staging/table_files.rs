@@ -12,7 +12,7 @@ use crate::disk::files::create_folder;
 use crate::disk::table::{Column, Group, ParquetFile};
 use crate::disk::tables::dictionary::Table;
 use crate::disk::tables::{FURTHER, about_entry, tables_of_reaches};
-use crate::{Category, DiskError};
+use crate::{Category, Result};
 
 /// A row group of a table beside `data` ends with the episode in which it reaches this number of rows. Choice: this many
 /// rows of the widest table are decoded within a few milliseconds, and a row group per episode would take more space
@@ -40,7 +40,7 @@ impl TableFile {
     }
 
     /// The file, which is created for columns like these if there is none.
-    fn file(&mut self, columns: &[Column], categories: &[Category]) -> Result<&mut ParquetFile, DiskError> {
+    fn file(&mut self, columns: &[Column], categories: &[Category]) -> Result<&mut ParquetFile> {
         let file = match self.file.take() {
             Some(file) => file,
             None => {
@@ -54,7 +54,7 @@ impl TableFile {
     }
 
     /// Adds an episode to the current row group, which ends when it has enough rows.
-    fn add_episode(&mut self, columns: Vec<Column>, categories: &[Category]) -> Result<(), DiskError> {
+    fn add_episode(&mut self, columns: Vec<Column>, categories: &[Category]) -> Result<()> {
         self.file(&columns, categories)?;
         self.episodes.push(columns);
         let rows = |columns: &Vec<Column>| columns.first().map_or(0, Column::count);
@@ -64,13 +64,13 @@ impl TableFile {
         Ok(())
     }
 
-    fn end_group(&mut self) -> Result<(), DiskError> {
+    fn end_group(&mut self) -> Result<()> {
         let mut episodes = std::mem::take(&mut self.episodes).into_iter();
         self.file.as_mut().map_or(Ok(()), |file| file.write_group(&mut episodes))
     }
 
     /// Closes the file, which the first episode has created, and returns its name.
-    fn close(mut self) -> Result<String, DiskError> {
+    fn close(mut self) -> Result<String> {
         self.end_group()?;
         self.file.map_or(Ok(()), ParquetFile::close)?;
         Ok(self.name)
@@ -109,7 +109,7 @@ impl<'a> TableFiles<'a> {
         columns: &[Column],
         frames: Group,
         further: FurtherColumns,
-    ) -> Result<(usize, usize), DiskError> {
+    ) -> Result<(usize, usize)> {
         self.staged_bytes += staged_bytes;
         let is_first = self.files.is_empty();
         self.begun += usize::from(is_first);
@@ -128,7 +128,7 @@ impl<'a> TableFiles<'a> {
     }
 
     /// Closes the current files. Returns their names.
-    pub(crate) fn close(&mut self) -> Result<Vec<String>, DiskError> {
+    pub(crate) fn close(&mut self) -> Result<Vec<String>> {
         self.staged_bytes = 0;
         let files = std::mem::take(&mut self.files);
         files.into_iter().map(TableFile::close).collect()

@@ -18,7 +18,7 @@ use crate::disk::dataset::checksums::FileSum;
 use crate::disk::dataset::info::read_json;
 use crate::disk::dataset::{Dataset, DatasetPlan, Shard, names};
 use crate::disk::files::{create_folder, is_there, sync_folder, write_json};
-use crate::{DiskError, Recording};
+use crate::{DiskError, Recording, Result};
 
 /// A data set that is being written.
 ///
@@ -60,9 +60,9 @@ impl DatasetWriter {
         plan: DatasetPlan,
         resume: bool,
         try_lock: fn(&File) -> Result<(), TryLockError>,
-    ) -> Result<Self, DiskError> {
+    ) -> Result<Self> {
         check_plan(&plan).map_err(|violation| violation.unwritable(&dir))?;
-        let finished = || -> Result<DiskError, DiskError> {
+        let finished = || -> Result<DiskError> {
             if resume {
                 require_same_set(&dir, &plan)?;
                 remove_incomplete(&dir)?;
@@ -126,7 +126,7 @@ impl DatasetWriter {
     }
 
     /// Positions in the plan whose reaches are not yet in complete files of the set. They have to be staged.
-    pub(crate) fn to_assemble(&self) -> Result<Range<usize>, DiskError> {
+    pub(crate) fn to_assemble(&self) -> Result<Range<usize>> {
         let count = self.staging.plan.episodes.len();
         if self.whole {
             return Ok(count..count);
@@ -149,7 +149,7 @@ impl DatasetWriter {
         write_json(&sum, &written)
     }
 
-    fn check_planned(&self, position: usize, recording: &Recording) -> Result<(), DiskError> {
+    fn check_planned(&self, position: usize, recording: &Recording) -> Result<()> {
         let (plan, provenance) = (&self.staging.plan, &self.staging.plan.provenance);
         let Some(episode) = plan.episodes.get(position) else {
             let (dir, count) = (self.staging.dir.clone(), plan.episodes.len());
@@ -201,10 +201,7 @@ impl DatasetWriter {
 
     /// Assembles the reaches that `reach` returns for the positions of the plan, in order. A reach is staged only until
     /// its data files are complete. The errors are those of [`DatasetWriter::finish`].
-    pub(crate) fn finish_from(
-        self,
-        mut reach: impl FnMut(usize) -> Result<Recording, DiskError>,
-    ) -> Result<Dataset, DiskError> {
+    pub(crate) fn finish_from(self, mut reach: impl FnMut(usize) -> Result<Recording>) -> Result<Dataset> {
         if !self.whole {
             let mut staged = |position| {
                 let recording = reach(position)?;
@@ -218,7 +215,7 @@ impl DatasetWriter {
     }
 
     /// Removes `incomplete/`, and opens the finished set.
-    fn close(self) -> Result<Dataset, DiskError> {
+    fn close(self) -> Result<Dataset> {
         let dir = &self.staging.dir;
         let incomplete = dir.join(names::INCOMPLETE);
         let kept = [names::PLAN, names::LOCK].map(|path| dir.join(path));
@@ -238,7 +235,7 @@ impl DatasetWriter {
 
 /// Whether a staged file has the checksum that is stored beside it. A damaged checksum is not an error, because the
 /// reach is then made again.
-fn is_of(sum: &Path, file: &Path) -> Result<bool, DiskError> {
+fn is_of(sum: &Path, file: &Path) -> Result<bool> {
     match read_json::<FileSum>(sum) {
         Ok(stored) => Ok(stored == FileSum::of_file(file)?),
         Err(DiskError::Input(_)) => Ok(false),

@@ -354,7 +354,7 @@ fn pushed(category: (&str, f64), springs_n_per_m: &[f64]) -> Vec<(bool, f64)> {
                 limit_n = judged[0].limit_n;
             }
         }
-        (trust.is_given(), limit_n)
+        (!trust.is_lost, limit_n)
     };
     springs_n_per_m.iter().enumerate().map(|(number, stiffness)| push(number, *stiffness)).collect()
 }
