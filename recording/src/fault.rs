@@ -59,7 +59,7 @@ impl InputError {
     #[cfg(feature = "disk")]
     pub fn of_csv(file: &Path, field: &str, text: &[u8], error: csv::Error, remedy: &str) -> Self {
         let line = error.position().map(|position| line_of_row(text, position));
-        // Without the parser's own lines, which leave blank ones out.
+        // The parser's own line numbers do not count blank lines, so they are left out of the messages.
         let (found, allowed) = match error.into_kind() {
             csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
                 (format!("{len} cells"), format!("{expected_len} cells, as in the header"))

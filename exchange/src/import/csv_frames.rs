@@ -26,7 +26,7 @@ struct Columns {
 }
 
 impl Columns {
-    /// Finds the columns of the mapping among the names in this line.
+    /// Finds the columns of the mapping among the names in the header, which is at this line.
     fn find(path: &Path, mapping: &Mapping, names: &csv::StringRecord, line: usize) -> Result<Self, InputError> {
         let MappingFile { time, force, trial, .. } = &mapping.file;
         let has = |name: &str| names.iter().any(|column| column == name);
@@ -91,7 +91,7 @@ impl Columns {
     }
 }
 
-/// Makes blank lines of the comments above the header, so that rows keep their numbers. Comments begin with `#`.
+/// Blanks the comment lines above the header, which begin with `#`. The line numbers of the rows stay the same.
 fn without_comments(text: &mut [u8]) {
     let is_comment = |line: &[u8]| {
         let line = line.strip_prefix("\u{feff}".as_bytes()).unwrap_or(line).trim_ascii();

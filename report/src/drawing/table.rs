@@ -207,8 +207,8 @@ impl Table {
         rows.map(|row| joined(row.iter().map(Cell::csv), ",") + "\n").collect()
     }
 
-    /// The table with headings that differ, for programs. A heading that occurs twice gets that of the last column before it whose
-    /// heading does not: `touched trials: accuracy / %`.
+    /// The table with unique headings, for programs that find columns by name. Before a heading that occurs more than once stands the
+    /// last unique heading before it: `touched trials: accuracy / %`.
     #[must_use]
     pub fn with_own_headings(mut self) -> Self {
         let (all, mut group) = (self.columns.clone(), "");

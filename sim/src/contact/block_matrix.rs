@@ -83,8 +83,9 @@ impl BlockMatrix {
         self.places[own * self.blocks.len() + other]
     }
 
-    /// For each row and column of the block `other`: the entries of the column in the rows of the block `own`, and those of the row
-    /// in the columns of `own`; zeros fill the last lanes. `other` is the same block or an earlier one. Nothing if all are zero.
+    /// For each index of the block `other`: the entries of this column in the rows of the block `own`, and the entries of this row in
+    /// the columns of `own`. Zeros fill the last lanes. `other` is the same block or an earlier one. If all entries are zero, there
+    /// are no items.
     #[inline(always)]
     pub fn rows_mut(&mut self, own: usize, other: usize) -> impl Iterator<Item = [&mut [Lanes]; 2]> {
         let width = self.width(own);

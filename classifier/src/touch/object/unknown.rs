@@ -101,7 +101,7 @@ impl UnknownObjects {
         calibrations.iter().map(|own| own.all.beyond(unlike)).fold(0.0, f64::max)
     }
 
-    /// The least share that an object can have in each stage. There are only so many held-out objects.
+    /// The smallest share that an object can have in each stage. It follows from the number of held-out objects.
     pub(in crate::touch) fn least_shares(&self) -> impl Iterator<Item = f64> {
         let of_category = |own: &Calibration| own.all.beyond(f64::INFINITY);
         self.stages.iter().map(move |own| own.iter().map(of_category).fold(0.0, f64::max))
