@@ -79,13 +79,13 @@ macro_rules! commands {
     };
 }
 commands! {
-    /// Repeat the paper's experiments, and write a report with its tables beside the published ones
+    /// Repeat the paper's experiments, and write a report that shows the results beside the published ones
     Reproduce(reproduce::ReproduceOptions),
     /// Simulate one reach through a scene
     Reach(reach::ReachOptions),
     /// Write the files of your own arm from its URDF, and cover its links with taxels
     Arm(arm::ArmOptions),
-    /// Write one draw of a scene as a scene file, object by object, to be changed by hand
+    /// Write one random draw of a scene as a scene file that lists every object, so that you can edit it
     Arrange(arrange::ArrangeOptions),
     /// Simulate many reaches and write them as a data set
     Generate(generate::GenerateOptions),
@@ -105,7 +105,7 @@ commands! {
     Validate(validate::ValidateOptions),
     /// Run regression suites: check the results of scenes, controller and model against the bounds in a file
     Check(check::CheckOptions),
-    /// Judge a model or a controller on frozen scenes, for a table that others can check
+    /// Evaluate a model or a controller on fixed scenes and seeds, so that others can check the result
     Benchmark(benchmark::BenchmarkOptions),
     /// Check a scene, data set, recording, table of trials or model, and show what is in it
     Inspect(inspect::InspectOptions),

@@ -159,8 +159,8 @@ fn untouched<'a>(
     (reaches > 0 && layout.taxel_count() > 0 && touched_frames.all(|frames| *frames == 0)).then(|| {
         let which = if reaches == 1 { "the reach".into() } else { format!("any of the {reaches} reaches") };
         format!(
-            "warning: nothing touched the skin in any frame of {which}; put skin on links that come among the objects, or \
-             objects where the skin comes (`underbrush inspect ARM.toml --still arm.png` shows it)"
+            "warning: nothing touched the skin in any frame of {which}; put skin on links that get near the objects, or \
+             objects where the skin can touch them (`underbrush inspect ARM.toml --still arm.png` shows the skin)"
         )
     })
 }
@@ -175,15 +175,15 @@ fn passed_bounds(reaches: &[Audited], layout: &SkinLayout) -> Vec<String> {
         let (name, count, all, largest) = (field.name, exceeding.len(), reaches.len(), value(worst));
         let (scene, reach_index, _) = worst;
         Some(format!(
-            "warning: {name} passes {max:.1e} in {count} of {all} reaches, most in reach {reach_index} of {scene}: \
+            "warning: {name} exceeds {max:.1e} in {count} of {all} reaches, most in reach {reach_index} of {scene}: \
              {largest:.1e} (the bound: {reason})"
         ))
     };
     let failed: u64 = reaches.iter().map(|(_, _, audit)| u64::from(audit.failed_controller_steps)).sum();
     let failed = (failed > 0).then(|| {
         format!(
-            "warning: the controller's program could not be solved in {failed} steps; there the equilibrium angles stayed \
-             as they were"
+            "warning: the controller's quadratic program could not be solved in {failed} steps; in these the equilibrium angles \
+             did not change"
         )
     });
     bounds(layout).filter_map(warning).chain(failed).collect()
@@ -207,7 +207,7 @@ mod tests {
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(
             found[0].starts_with(
-                "warning: deepest_penetration_m passes 1.0e-2 in 2 of 3 reaches, most in reach 1 of leaf: 7.5e-1"
+                "warning: deepest_penetration_m exceeds 1.0e-2 in 2 of 3 reaches, most in reach 1 of leaf: 7.5e-1"
             ),
             "{found:?}"
         );

@@ -124,7 +124,7 @@ fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
         let (urdf, out, percent) = (urdf.display(), out.display(), 100.0 * share);
         output::remark(format!(
             "warning: the inertia of {link} in {urdf} is that of no body: a principal moment is {percent:.1} % above the sum of the \
-             other two. {out} has the nearest one of a body, in [[inertia]]; correct it if you know better"
+             other two. {out} has the nearest possible inertia, in [[inertia]]; correct it if you know the true one"
         ));
     }
     if !files.start_found {

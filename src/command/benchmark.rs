@@ -1,4 +1,4 @@
-//! `underbrush benchmark`: judges a model or a controller on frozen scenes, for a row of a table that others can check.
+//! `underbrush benchmark`: evaluates a model or a controller on fixed scenes, for a row of a table that others can check.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use crate::{Failure, Shown, input, interrupt, options, output};
 
 /// Shown at the end of `underbrush benchmark --help`.
 const EXAMPLE: &str = "\
-Train on the training set, and measure:
+Make the training set, train on it, and run the three tracks:
 
   cd benchmarks/incidental-contact-1/scenes
   underbrush generate leaf.toml trunk.toml mixed.toml --reaches 25 --seed 900000 --out training
@@ -23,9 +23,9 @@ Train on the training set, and measure:
   underbrush benchmark reaching --controller cody-2013
   underbrush benchmark reaching --controller cody-2013 --verdicts touch.json
 
-Each track has a public half, whose reaches are made once and kept for the next model (200 in verdicts, 140 in transfer), and an \
-audit half of as many, whose seed follows from the model's file. A controller has 250 reaches in each. An interrupted command \
-continues where it stopped. benchmarks/incidental-contact-2.md has the rules.";
+Each track has two halves with the same number of reaches: 200 in verdicts, 140 in transfer, 250 in reaching. The reaches of the \
+public half are made once and kept for the next model. The seed of the audit half follows from the model's file. An interrupted \
+command continues where it stopped. benchmarks/incidental-contact-2.md has the rules.";
 
 /// Options of `underbrush benchmark`.
 #[derive(Args)]
@@ -33,24 +33,24 @@ continues where it stopped. benchmarks/incidental-contact-2.md has the rules.";
 pub struct BenchmarkOptions {
     /// What is measured
     #[arg(value_parser = options::named::<String>(&[
-        ("verdicts", "What objects are, by the time since they were first felt, with objects that are unknown in training"),
-        ("transfer", "What objects are, with another arm, speed or sensor than in training"),
-        ("reaching", "How a controller reaches through clutter, and how hard it presses on trunks and leaves"),
+        ("verdicts", "Verdicts on objects, by the time since the first contact; some objects are unknown in training"),
+        ("transfer", "Verdicts on objects, with another arm, speed or sensor than in training"),
+        ("reaching", "How many goals a controller reaches in clutter, and how hard it presses on trunks and leaves"),
     ]))]
     track: String,
-    /// Model to judge, of any kind; for verdicts and transfer
+    /// Model to evaluate, of any kind; for verdicts and transfer
     #[arg(long, value_name = "MODEL")]
     model: Option<PathBuf>,
-    /// Controller to judge; for reaching
+    /// Controller to evaluate; for reaching
     #[arg(long, value_name = "NAME", value_parser = input::controller())]
     controller: Option<ControllerKind>,
-    /// Tell the controller what the skin touches, by this touch model; for reaching
+    /// Give the controller the verdicts of this touch model; for reaching
     #[arg(long, value_name = "MODEL", requires = "controller")]
     verdicts: Option<PathBuf>,
     /// Folder for the reaches and for the rows, as JSON files with versions, seeds and hashes
     #[arg(long, value_name = "DIR", default_value = "out/benchmark")]
     out: PathBuf,
-    /// Only two reaches of each scene, to try things out. The result is not a row of the table
+    /// Run only two reaches of each scene, to try the command. The result is not a row of the table
     #[arg(long)]
     quick: bool,
 }

@@ -26,19 +26,18 @@ use crate::{Failure, output};
 
 /// Shown at the end of `underbrush evaluate --help`.
 const ADVICE: &str = "\
-By default, trials of any length are used, labelled by the object that truly pressed, and folds are grouped by reach if every \
-trial names its reach: trials of one reach resemble each other, so grouping by position overestimates the accuracy. \
+By default, all classifiers are compared on the same folds, the best first. The details below the comparison are those of the \
+paper's hidden Markov models. peak-force uses the largest force alone, so it is the baseline. --features gives all classifiers the \
+same features. With --classifier, --model, --train, --decision paper or an option about fitting, only one classifier is evaluated.
+
+By default, trials of any length are used, their labels are the objects that truly pressed, and folds are grouped by reach if every \
+trial names its reach. Trials of one reach resemble each other, so grouping by position overestimates the accuracy. \
 `--preset paper` follows the paper instead (section V-A: two folds by position, labels from the environment, 20 samples or \
 more). The default recipe is the paper's.
 
-Without --classifier, options about fitting and --decision paper, all classifiers are compared on the same folds, the best \
-first, and the details are those of the paper's hidden Markov models. With --features all use these features. peak-force is the baseline of \
-contacts: the largest force alone.
-
-Compare an accuracy with the majority baseline, which is reached by always naming the most frequent category, and with the \
-balanced accuracy, the mean recall over the categories that the classifier knows. Uncertain counts as wrong, and so does \
-outlier unless the object is an outlier. Trials that no object touched are also reported separately, if the table says which \
-these are.";
+Compare the accuracy with the majority baseline (the accuracy of always naming the most frequent category) and with the balanced \
+accuracy (the mean recall over the categories that the classifier knows). Uncertain counts as wrong, and so does outlier unless \
+the object is an outlier. If the table says which trials no object touched, these are also reported separately.";
 
 /// Options of `underbrush evaluate`.
 #[derive(Args)]

@@ -42,11 +42,12 @@ pub struct GenerateOptions {
     controller: Option<ControllerKind>,
     #[command(flatten)]
     verdicts: VerdictArguments,
-    /// Draw constants of the contact for every reach, from the ranges of the file of materials, and store them with the
-    /// objects. Objects and goals stay the same
-    #[arg(long, value_name = "WHAT", value_parser = options::named::<String>(&[("materials", "The constants of the file of materials")]))]
+    /// Draw the constants of the contact model anew for every reach, from the ranges in the file of materials. They are
+    /// stored with the objects. Objects and goals stay the same
+    #[arg(long, value_name = "WHAT", value_parser = options::named::<String>(&[("materials", "The constants in the file of materials")]))]
     randomize: Option<String>,
-    /// File of materials, as sim/materials.toml: its values replace those of arm and objects, or with --randomize its ranges
+    /// File of materials, such as sim/materials.toml. Its values replace those of arm and objects. With --randomize, values
+    /// are drawn from its ranges
     #[arg(long, value_name = "FILE")]
     materials: Option<PathBuf>,
     /// Continue an interrupted data set

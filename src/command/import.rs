@@ -16,7 +16,7 @@ use crate::{Failure, Overwrite, output};
 pub struct ImportOptions {
     /// CSV file to read
     file: PathBuf,
-    /// Mapping (TOML): which numbers are the forces on which taxels, in which unit. docs/exchange.md describes it
+    /// Mapping (TOML): which columns hold the times and the forces, and in which unit. docs/exchange.md describes it
     #[arg(long, value_name = "FILE")]
     mapping: PathBuf,
     /// Table of trials to write, `.csv` or `.parquet`, for train, classify, evaluate and score. Or, if the mapping says where

@@ -115,7 +115,7 @@ impl PictureArguments {
     fn scene_camera(&self, scene: &str, text: Option<&str>) -> Result<Option<SceneCamera>, Failure> {
         let Some(name) = &self.camera else { return Ok(None) };
         let refused = |allowed: &str| Failure::usage(format!("--camera {name}: allowed: {allowed}"));
-        let text = text.ok_or_else(|| refused("only with a data set, because a recording alone stores no cameras; give one, or use --eye and --target"))?;
+        let text = text.ok_or_else(|| refused("only with a data set, because a recording alone stores no cameras; give a data set, or use --eye and --target"))?;
         let cameras = Scene::parse(scene, text.to_owned())?.file.cameras;
         let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
         let named = cameras.iter().find(|camera| camera.name == *name).cloned();

@@ -19,17 +19,18 @@ pub struct ReproduceOptions {
     /// replaced with --force.
     #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
     out: PathBuf,
-    /// A small run: for the paper's experiment, 4 leaf and 8 trunk reaches instead of 10 and 25, one reach of each
-    /// engineered scene, only the first recipe, and no controllers, other arms, changes, second outlier or auxiliary
-    /// unknown objects
+    /// Run a small version of the experiment
     ///
-    /// Other classifiers are compared on whole trials, but not by the samples that they need.
+    /// Of the paper's experiment it has 4 leaf and 8 trunk reaches instead of 10 and 25, one reach of each engineered
+    /// scene, and only the first recipe. It leaves out the comparison of controllers, other arms, changed settings, the
+    /// second outlier and auxiliary unknown objects. Other classifiers are compared on whole trials only, not by the
+    /// number of samples.
     #[arg(long)]
     quick: bool,
     /// Experiment to run (TOML file) [default: the paper's]
     ///
-    /// It names training and test scenes, classifiers and figures to compare with; `underbrush schema experiment`
-    /// describes its keys.
+    /// The file names training and test scenes, classifiers and published figures to compare with. `underbrush schema
+    /// experiment` describes its keys.
     #[arg(long, value_name = "FILE")]
     experiment: Option<PathBuf>,
     /// Seed, instead of the experiment's

@@ -28,9 +28,9 @@ pub struct TrainOptions {
     /// are simulated
     #[arg(required = true)]
     trials: Vec<PathBuf>,
-    /// With --classifier touch: data sets, recordings and scenes of unknown objects to train on, such as
-    /// free-cylinders soft-rolls stalks stiff-poles. Objects whose category is missing from TRIALS are unknown, and each such category is a
-    /// family; without these sets nothing is called unknown
+    /// With --classifier touch: data sets, recordings and scenes of unknown objects to train on, such as free-cylinders
+    /// soft-rolls stalks stiff-poles. Objects whose category is missing from TRIALS are unknown, and each such category is
+    /// a family of unknown objects. Without these sets nothing is called unknown
     #[arg(long, value_name = "DATASET", num_args = 1..)]
     auxiliary: Vec<PathBuf>,
     /// Model file to write (JSON)
@@ -48,13 +48,13 @@ pub struct TrainOptions {
         conflicts_with_all = ["classifier", "recipe", "states", "features", "topology", "initial", "max_samples"]
     )]
     start: Option<PathBuf>,
-    /// Choose thresholds for classify by cross-validation and store them in the model: of the held-out trials of other
-    /// categories, at most this fraction is taken for a category. This holds for whole trials like the held-out ones;
-    /// online, verdicts on the first samples of a contact are nearly always uncertain
+    /// Choose thresholds by cross-validation, so that for each category at most this fraction of the held-out trials of
+    /// other categories is classified as it. The thresholds are stored in the model and used by classify. They hold for
+    /// whole trials; online, verdicts on the first samples of a contact are nearly always uncertain
     #[arg(long, value_name = "X", conflicts_with = "start")]
     false_positive_rate: Option<f64>,
-    /// With --false-positive-rate: the fraction of contacts expected to be outliers. Thresholds are chosen so that
-    /// false alarms (known contacts called outliers) are no more frequent than that
+    /// With --false-positive-rate: the expected fraction of contacts that are outliers. Thresholds are chosen so that
+    /// false alarms (known contacts called outliers) are no more frequent than this
     #[arg(
         long,
         value_name = "X",

@@ -91,12 +91,12 @@ impl DecisionArguments {
 /// What tells the controller what the skin touches.
 #[derive(Args)]
 pub struct VerdictArguments {
-    /// Tell the controller what the skin touches: by this touch model, by the true categories (`truth`), which no robot
-    /// knows, or not at all (`none`)
+    /// Tell the controller what the skin touches: the verdicts of this touch model, or the true categories (`truth`), which
+    /// no robot knows. `none` tells it nothing
     #[arg(long, value_name = "MODEL|truth|none")]
     pub verdicts: Option<PathBuf>,
-    /// With --verdicts: how hard the arm may press on objects of a category, or on `unknown` ones, instead of the scene's
-    /// force, N
+    /// With --verdicts: force with which the arm may press on objects of a category, or on `unknown` ones, N. It replaces
+    /// the force in the scene
     #[arg(long, value_name = "CATEGORY=N", requires = "verdicts", value_parser = allowed)]
     pub allow: Vec<(String, f64)>,
 }

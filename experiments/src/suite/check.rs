@@ -57,7 +57,7 @@ pub fn bounds(
             return Err(field.fault("a suite without a model", allowed));
         }
         if metric.needs_touch_model && matches!(model, Some(OnlineModel::OfTrials(..))) {
-            let allowed = "a bound on this verdict only with a touch model, which alone gives it";
+            let allowed = "a bound on this verdict only with a touch model, because other models never give it";
             return Err(field.fault("a suite with a classifier of trials", allowed));
         }
         match (entry.get_ref(), metric.by_category) {

@@ -85,7 +85,7 @@ impl ClassifyOptions {
 pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
     let model = any_model::load(&options.model)?;
     if !options.reads_stdin() && (options.skin.is_some() || options.strict) {
-        let text = "--skin and --strict are for frames on standard input, `-`; leave them out: a file knows its skin";
+        let text = "--skin and --strict are for frames on standard input, `-`; leave them out: a file stores its skin";
         return Err(Failure::usage(text));
     }
     let model = match model {

@@ -30,14 +30,15 @@ pub struct TouchDecisionArguments {
     /// training, so that few true contacts are lost]
     #[arg(long, value_name = "P", value_parser = share())]
     nothing_above: Option<f64>,
-    /// Call an object unknown if at most this share of the objects of each known category is as unlike what is known as the
-    /// object is (in its first 0.6 s: a fifth of this share). This is the share of false alarms. Shares below 0.001 are not
-    /// distinguished, and 1 calls everything unknown. A model that was trained without --auxiliary, or on few known objects,
-    /// calls nothing unknown below some share [default: as in the model, 0.05 after training]
+    /// Call an object unknown if at most this share of the known objects of each category is as unusual. So this is the share
+    /// of known objects that are wrongly called unknown. In the first 0.6 s of an object, a fifth of this share counts. 1 calls
+    /// everything unknown, and shares below 0.001 are not distinguished. A model that was trained on few known objects needs a
+    /// larger share to call anything unknown, and one that was trained without --auxiliary needs 1 [default: as in the model,
+    /// 0.05 after training]
     #[arg(long, value_name = "P", value_parser = share())]
     unknown_share: Option<f64>,
-    /// Cost of an uncertain verdict relative to that of a wrong category: a category is named if its probability is
-    /// above 1 minus this [default: as in the model, 0.3 after training]
+    /// Cost of an uncertain verdict, as a fraction of the cost of a wrong category. A category is named if its probability
+    /// is above 1 minus this cost [default: as in the model, 0.3 after training]
     #[arg(long, value_name = "COST", value_parser = share())]
     pub cost_of_uncertain: Option<f64>,
 }
@@ -49,8 +50,7 @@ fn share() -> impl TypedValueParser<Value = f64> {
 impl TouchDecisionArguments {
     /// Refuses options that would be ignored, because verdicts come from a classifier of trials.
     pub fn refuse_for_trials(&self) -> Result<(), Failure> {
-        let reason =
-            "applies to the classifier touch only, and this is a classifier of trials, which --decision is for";
+        let reason = "applies to the classifier touch only, and classifiers of trials have --decision instead";
         options::refuse(options::given(self), reason)
     }
 
@@ -67,8 +67,8 @@ impl TouchDecisionArguments {
 /// Limits on the bad verdicts in new reaches. Options that are not given stay at their defaults.
 #[derive(Args, Clone, Copy, Debug, Default, Serialize)]
 pub struct RiskArguments {
-    /// Choose the cost of an uncertain verdict so that at most this share of the taxel frames of a new reach is called
-    /// another category, on average over reaches. A share of 0.05 needs 19 reaches or more, 0.01 needs 99
+    /// Choose the cost of an uncertain verdict so that on average over new reaches at most this share of the taxel frames
+    /// of a reach gets a wrong category. A share of 0.05 needs 19 reaches or more, 0.01 needs 99
     #[arg(long, value_name = "SHARE", value_parser = number(|share: &f64| *share > 0.0 && *share < 1.0, "must be a number above 0 and below 1"))]
     pub limit_wrong: Option<f64>,
 }

@@ -34,7 +34,7 @@ pub(super) fn decision(decision: &TouchDecision, least_unknown_share: Option<f64
     };
     let unknown = match least_unknown_share {
         least if *unknown_share >= least.unwrap_or(1.0) => format!(
-            "an object unknown if at most {:.2} % of the known objects are as unlike, or a fifth of that in its first 0.6 s",
+            "an object unknown if at most {:.2} % of the known objects are as unusual, or a fifth of that in its first 0.6 s",
             100.0 * unknown_share
         ),
         None => "no object unknown, because no auxiliary sets were trained on".into(),
