@@ -86,7 +86,7 @@ fn why(result: &SuiteResult, scene: &SceneResult, bound: &BoundResult) -> String
 }
 
 /// A path as one word of a shell command.
-fn shell_word(path: &str) -> String {
+pub fn shell_word(path: &str) -> String {
     let plain = |character: char| character.is_alphanumeric() || "/._-+".contains(character);
     if path.chars().all(plain) { path.to_owned() } else { format!("'{}'", path.replace('\'', "'\\''")) }
 }

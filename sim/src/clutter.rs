@@ -2,6 +2,7 @@
 //! a person can edit.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use glam::{DQuat, DVec3};
 use parry3d::shape::Cuboid;
@@ -9,6 +10,7 @@ use toml::{Table, Value};
 use underbrush_recording::{Category, InputError, ObjectRecord, Pose, math};
 
 use crate::arm::ArmAtStart;
+use crate::arm::new::relative;
 use crate::geometry::{Capsule, Footprint, LaidFootprint};
 use crate::materials::Materials;
 use crate::object::{DrawnQuantities, Object};
@@ -154,31 +156,33 @@ impl Clutter {
         obstacles.map(upright).collect()
     }
 
-    /// The text of a scene in which every object stands alone in its group, with the place and the values that were drawn
-    /// for it, and the goals are listed. All else is that of `scene`, whose draw this clutter is, and so is the stream of
+    /// The text of a scene file at `place`, in which every object stands alone in its group, with the place and the values that
+    /// were drawn for it, and the goals are listed. All else is that of `scene`, whose draw this clutter is, and so is the stream of
     /// random numbers: with the same seed and index of the reach the skin's noise is the same, too.
     ///
-    /// An arm that does not ship is named by its absolute path, because the new file may be in another folder.
+    /// If `scene` names its arm by a relative path, the text names it by the path from the folder of `place`, which must be there.
     ///
     /// ```
+    /// use std::path::Path;
+    ///
     /// use underbrush_sim::reach::ReachPlan;
     /// use underbrush_sim::scene::Scene;
     ///
     /// let plan = ReachPlan::new(Scene::open("trunk")?, None, 7)?;
     /// let drawn = plan.draw(0)?;
-    /// let arranged = Scene::parse("arranged.toml", drawn.arranged(&plan.scene))?;
+    /// let place = Path::new("arranged.toml");
+    /// let arranged = Scene::parse(place, drawn.arranged(&plan.scene, place))?;
     /// // Whatever the seed, the trunks stand where they stood.
     /// let again = ReachPlan::new(arranged, None, 8)?.draw(3)?;
     /// assert_eq!(again.objects[0].foot_world, drawn.objects[0].foot_world);
     /// assert_eq!(again.goals, drawn.goals);
     /// # Ok::<(), underbrush_recording::InputError>(())
     /// ```
-    pub fn arranged(&self, scene: &Scene) -> String {
+    pub fn arranged(&self, scene: &Scene, place: &Path) -> String {
         let mut table: Table = toml::from_str(&scene.text).unwrap_or_default();
         table.insert("stream".into(), scene.stream.clone().into());
-        if let Some(arm) = scene.arm_path() {
-            let arm = std::path::absolute(&arm).unwrap_or(arm);
-            table.insert("arm".into(), arm.to_string_lossy().into_owned().into());
+        if let Some(arm) = scene.arm_path().filter(|_| Path::new(&scene.file.arm).is_relative()) {
+            table.insert("arm".into(), relative(place, &arm).into());
         }
         let mut objects: BTreeMap<&str, Vec<Table>> = BTreeMap::new();
         for placed in &self.objects {

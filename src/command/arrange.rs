@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
+use underbrush_report::suite_text::shell_word;
 use underbrush_sim::{ReachPlan, Scene};
 
 use crate::{Failure, Overwrite, output};
@@ -37,12 +38,11 @@ struct Report {
     reach_index: u64,
     objects: usize,
     goals: usize,
-    file: PathBuf,
+    file: String,
 }
 
 /// Draws the scene and writes the file.
-pub fn run(options: ArrangeOptions, json: bool) -> Result<(), Failure> {
-    let ArrangeOptions { scene, seed, index, out, overwrite } = options;
+pub fn run(ArrangeOptions { scene, seed, index, out, overwrite }: ArrangeOptions, json: bool) -> Result<(), Failure> {
     overwrite.ending(&out, &["toml"], "a scene is a TOML file; choose such a name", [&scene])?;
     let plan = ReachPlan::new(Scene::open(&scene)?, None, seed)?;
     let clutter = plan.draw(index)?;
@@ -50,11 +50,12 @@ pub fn run(options: ArrangeOptions, json: bool) -> Result<(), Failure> {
         "# Reach {index} of the scene {} with seed {seed}, object by object. Lengths are in m, angles of `yaw_deg` in degrees.\n",
         plan.scene.name
     );
-    output::write_file(&out, (remark + &clutter.arranged(&plan.scene)).as_bytes())?;
-    let (objects, goals) = (clutter.objects.len(), clutter.goals.len());
-    let report = Report { scene: plan.scene.name, seed, reach_index: index, objects, goals, file: out };
+    output::write_file(&out, (remark + &clutter.arranged(&plan.scene, &out)).as_bytes())?;
+    let (objects, goals, file) = (clutter.objects.len(), clutter.goals.len(), out.display().to_string());
+    let report = Report { scene: plan.scene.name, seed, reach_index: index, objects, goals, file };
     output::result(json, &report, || {
-        let file = report.file.display();
-        format!("Wrote {file} with {objects} objects and {goals} goals. Next: underbrush reach {file}\n")
+        let (file, word) = (&report.file, shell_word(&report.file));
+        let (objects, goals) = (output::counted(objects, "object", "objects"), output::counted(goals, "goal", "goals"));
+        format!("Wrote {file} with {objects} and {goals}. Next: underbrush reach {word}\n")
     })
 }

@@ -57,3 +57,14 @@ fn an_arranged_scene_is_the_scene_until_it_is_changed() {
     assert_ne!(reach(&arranged, "changed.parquet"), reach(&scene, "again.parquet"));
     underbrush!["arrange", scene, "--out", arranged].refused(&["few.toml", "exists already", "--force"]);
 }
+
+/// Tests that the command that is printed is one for a shell, also if the name of the file has a space.
+#[test]
+fn the_next_command_can_be_copied() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "few.toml", scenes::FEW_TRUNKS);
+    let arranged = folder.path().join("a few.toml");
+    let said = underbrush!["arrange", scene, "--out", arranged].success();
+    let next = format!("with 3 objects and 1 goal. Next: underbrush reach '{}'", arranged.display());
+    assert!(said.contains(&next), "{said}");
+}

@@ -285,3 +285,14 @@ fn figures_can_be_ended() {
     let stopped = blind(None).figures(&sets, &Stopped).err().unwrap();
     assert_eq!(stopped.to_string(), Fault::from(ReachError::Stopped).to_string());
 }
+
+/// Tests that the user can end a campaign while its reaches are drawn, before anything is written.
+#[test]
+fn draws_can_be_ended() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "summary = \"A trunk\"\n[goals]\ncount = 1\n[[objects.trunk]]\ncount = 1\n";
+    let campaign = Campaign::new(vec![Scene::parse("trunk.toml", text.into()).unwrap()], 3, 1).unwrap();
+    let out = folder.path().join("set");
+    let stopped = campaign.write(&out, false, &Stopped).err().unwrap();
+    assert_eq!((stopped.to_string(), out.exists()), (Fault::from(ReachError::Stopped).to_string(), false));
+}

@@ -1,7 +1,8 @@
 //! Writes the reaches of a campaign to a folder: all of them, or one part into a folder that several processes share.
 
 use std::path::Path;
-use std::time::Duration;
+use std::sync::Once;
+use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 use underbrush_recording::Fault;
@@ -32,6 +33,8 @@ impl Written {
 /// Time between attempts to enter a shared folder while another process assembles the set. Choice: short beside a
 /// reach.
 const WAIT: Duration = Duration::from_secs(1);
+/// Draws that take longer than this are announced.
+const QUIET: Duration = Duration::from_secs(1);
 
 impl Campaign {
     /// Runs the campaign and writes it to the folder `out`; with `resume`, runs only the reaches that are missing
@@ -92,12 +95,18 @@ impl Campaign {
 }
 
 /// Warns about doubtful skins, and draws all reaches once to refuse an impossible draw before anything is written. A
-/// set that failed halfway could not be resumed, because correcting the scene changes the plan. A draw takes a
-/// thousandth of the time of its reach.
+/// set that failed halfway could not be resumed, because correcting the scene changes the plan. A draw takes about a
+/// hundredth of the time of its reach. The user can end the draws.
 fn prepare(plans: &[ReachPlan], jobs: &[Job], progress: &dyn Progress) -> Result<(), Fault> {
     say_doubts(plans.iter().map(|plan| &plan.arm), progress);
-    jobs.par_iter().try_for_each(|job| plans[job.plan].draw(job.reach_index).map(drop))?;
-    Ok(())
+    let (begun, said) = (Instant::now(), Once::new());
+    jobs.par_iter().try_for_each(|job| {
+        progress.check_stopped()?;
+        if begun.elapsed() > QUIET {
+            said.call_once(|| progress.stage(&format!("Drawing all {} reaches before the first begins", jobs.len())));
+        }
+        plans[job.plan].draw(job.reach_index).map(drop).map_err(Fault::from)
+    })
 }
 
 /// Runs and stages the missing reaches; `total` counts the finished ones, too.

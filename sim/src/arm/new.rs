@@ -343,13 +343,13 @@ fn find_mesh(new: &NewArm, filename: &str, line: usize) -> Result<PathBuf, Input
     Err(InputError::new(&new.urdf, "mesh filename", found, "a mesh that is there", remedy).at_line(line))
 }
 
-/// The path of a file from the folder of the arm file, with slashes on every machine; absolute if there is none.
-fn relative(arm_file: &Path, file: &Path) -> String {
+/// The path of a file from the folder of another one, which names it, with slashes on every machine; absolute if there is none.
+pub(crate) fn relative(naming: &Path, file: &Path) -> String {
     let own = |path: &Path| {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         std::fs::canonicalize(folder).or_else(|_| std::path::absolute(folder)).unwrap_or_else(|_| folder.into())
     };
-    let (from, to) = (own(arm_file), own(file));
+    let (from, to) = (own(naming), own(file));
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let shared = from.components().zip(to.components()).take_while(|(one, other)| one == other).count();
     if shared == 0 {

@@ -40,8 +40,7 @@ pub(super) fn draw_goals(
         return Ok(goals.iter().copied().map(DVec3::from_array).collect());
     }
     let is_plant = |placed: &&PlacedObject| placed.object.foam_top().is_none() && !placed.object.is_ground();
-    let plants = objects.iter().filter(is_plant);
-    let plants: Vec<Capsule> = plants.map(PlacedObject::bounding_capsule).collect();
+    let plants: Vec<Capsule> = objects.iter().filter(is_plant).map(PlacedObject::bounding_capsule).collect();
     let surroundings = Surroundings::new(&arm.arm, scene.file.workspace.table_height_m, objects);
     let mut from = arm.end_effector_world;
     let mut goals = Vec::new();

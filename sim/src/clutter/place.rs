@@ -42,8 +42,7 @@ pub(super) fn place_all(
                     rejected.no_foam += 1;
                     continue;
                 };
-                let drawn = group.draw(random, &footing).map_err(|error| scene.draw_fault(&field, error));
-                let (object, drawn) = drawn?;
+                let (object, drawn) = group.draw(random, &footing).map_err(|error| scene.draw_fault(&field, error))?;
                 let foot_world = center.extend(footing.height_m);
                 let placed = PlacedObject { object, category: group.category, foot_world, yaw_rad, stands_on, drawn };
                 if rejected.allows(&placed, &objects, arm) {
@@ -74,8 +73,7 @@ struct Rejections {
 impl Rejections {
     fn allows(&mut self, placed: &PlacedObject, objects: &[PlacedObject], arm: &ArmAtStart) -> bool {
         let laid = placed.laid();
-        let blocked = objects.iter().any(|other| !may_overlap(placed, other) && laid.overlaps(&other.laid()));
-        if blocked {
+        if objects.iter().any(|other| !may_overlap(placed, other) && laid.overlaps(&other.laid())) {
             self.overlap += 1;
             return false;
         }

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
+use std::path::Path;
+
 use glam::DVec3;
 use parry3d::shape::SharedShape;
 use underbrush_recording::{InputError, Pose};
@@ -282,7 +284,7 @@ fn an_arranged_scene_is_the_draw() {
     for (name, text) in crate::scene::shipped_by_name() {
         let plan = ReachPlan::new(Scene::parse(format!("{name}.toml"), text.into()).unwrap(), None, 5).unwrap();
         let drawn = plan.draw(2).unwrap();
-        let arranged = Scene::parse("arranged.toml", drawn.arranged(&plan.scene)).unwrap();
+        let arranged = Scene::parse("arranged.toml", drawn.arranged(&plan.scene, "arranged.toml".as_ref())).unwrap();
         let again = ReachPlan::new(arranged, None, 6).unwrap().draw(0).unwrap();
         let all = |clutter: &Clutter| -> Vec<_> {
             let one = |placed: &PlacedObject| {
@@ -293,4 +295,21 @@ fn an_arranged_scene_is_the_draw() {
         assert_eq!(all(&again), all(&drawn), "{name}");
         assert_eq!(again.goals, drawn.goals, "{name}");
     }
+}
+
+/// Tests that a draw written as a scene file names a relative arm from the folder of that file, and an absolute one as it is.
+#[test]
+fn an_arranged_scene_finds_its_arm() {
+    let arms = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/arms");
+    let scene = Scene::load(arms.join("panda/foliage.toml")).unwrap();
+    let arm = |scene: &Scene, place: &str| {
+        let text = Clutter::default().arranged(scene, &arms.join(place));
+        toml::from_str::<toml::Table>(&text).unwrap()["arm"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(arm(&scene, "panda/new.toml"), "panda.toml");
+    assert_eq!(arm(&scene, "new.toml"), "panda/panda.toml");
+    assert_eq!(arm(&scene, "../guides/new.toml"), "../arms/panda/panda.toml");
+    let absolute = std::path::absolute("panda.toml").unwrap().display().to_string();
+    let text = scene.text.replace("\"panda.toml\"", &format!("{absolute:?}"));
+    assert_eq!(arm(&Scene::parse("foliage.toml", text).unwrap(), "new.toml"), absolute);
 }

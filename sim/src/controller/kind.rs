@@ -65,8 +65,7 @@ impl ControllerKind {
     /// # Errors
     /// When there is none.
     pub fn from_name(name: &str) -> Result<ControllerKind, UnknownController> {
-        let named = ALL.into_iter().find(|kind| kind.name() == name);
-        named.ok_or_else(|| UnknownController(name.to_string()))
+        ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| UnknownController(name.to_string()))
     }
 
     /// Its parameters: those that were published, or those that it shares with a published controller.

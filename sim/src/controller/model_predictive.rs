@@ -17,7 +17,7 @@
 //! weight no value, so both are left out.
 
 use glam::DVec3;
-use nalgebra::{DMatrix, DVector, Matrix3xX, RowDVector, Vector3};
+use nalgebra::{DMatrix, DVector, RowDVector, Vector3};
 
 use super::quadratic_program::{QuadraticProgram, Unsolved};
 use super::{ControlStatus, Controller, ControllerInput, ControllerOutput, Intent, Preset, TaxelContact};
@@ -62,8 +62,7 @@ impl ModelPredictive {
         // Row i: change of contact force i per change of the joint angles, N/rad.
         let mut force_rows = DMatrix::zeros(contacts.len(), joints);
         for (mut row, contact) in force_rows.row_iter_mut().zip(&contacts) {
-            let outward = -contact.inward_normal_world;
-            let normal = Vector3::new(outward.x, outward.y, outward.z);
+            let normal = Vector3::from((-contact.inward_normal_world).to_array());
             row.tr_copy_from(&(contact.position_jacobian.tr_mul(&normal) * preset.contact_stiffness_n_per_m));
         }
         let springs = self.joints.iter().map(|joint| joint.model_stiffness_nm_per_rad);
@@ -81,12 +80,10 @@ impl ModelPredictive {
             hessian += matrix.tr_mul(matrix) * (2.0 * weight);
             gradient -= matrix.tr_mul(target) * (2.0 * weight);
         };
-        let moved = |jacobian: &Matrix3xX<f64>| {
-            let moved = jacobian.transpose().tr_mul(&response);
-            DMatrix::from_column_slice(3, joints, moved.as_slice())
-        };
-        let vector = |v: DVec3| DVector::from_column_slice(&v.to_array());
-        add(preset.position_weight, &moved(&input.end_effector_jacobian), &vector(self.wanted_displacement(input)));
+        let moved = input.end_effector_jacobian.transpose().tr_mul(&response);
+        let moved = DMatrix::from_column_slice(3, joints, moved.as_slice());
+        let wanted = DVector::from_column_slice(&self.wanted_displacement(input).to_array());
+        add(preset.position_weight, &moved, &wanted);
         add(preset.torque_change_weight, &spring, &DVector::zeros(joints));
         let limit_n = |contact: &TaxelContact| contact.allowed_force_n.unwrap_or(preset.force_limit_n);
         let over: Vec<usize> =

@@ -55,7 +55,7 @@ fn constants_are_added_to_scenes_without_any() {
     let error = own.scene.with_materials(&file, true).unwrap_err();
     assert_eq!((error.field.as_str(), error.line), ("materials", Some(6)), "{error}");
     for plan in [plan(""), own] {
-        let text = plan.draw(0).unwrap().arranged(&plan.scene);
+        let text = plan.draw(0).unwrap().arranged(&plan.scene, "arranged.toml".as_ref());
         let arranged = Scene::parse("arranged.toml", text).unwrap();
         assert_eq!(arranged.with_materials(&file, true).unwrap().file.materials.quantities().len(), CONSTANTS.len());
     }

@@ -272,11 +272,8 @@ impl<'a> Planner<'a> {
                     let (is_there, added) = self.extend(other, &target);
                     let Some(last) = added else { break };
                     if is_there {
-                        let mut sides = [trees[growing].to_root(tip), trees[1 - growing].to_root(last)];
-                        if growing == 1 {
-                            sides.swap(0, 1);
-                        }
-                        let [from_start, to_end] = sides;
+                        let met = if growing == 0 { [tip, last] } else { [last, tip] };
+                        let [from_start, to_end] = [0, 1].map(|side| trees[side].to_root(met[side]));
                         // The meeting point is in both.
                         return Some(from_start.into_iter().rev().chain(to_end.into_iter().skip(1)).collect());
                     }
