@@ -111,7 +111,8 @@ impl OnlineModel {
         let own = model.options().patch.as_deref();
         match patch {
             Some(patch) if Some(patch) != own => {
-                let own = own.map_or("the first patch of a skin".to_owned(), |own| format!("the patch {own}"));
+                let all = if model.options().all_patches { "all patches" } else { "the first patch" };
+                let own = own.map_or(format!("{all} of a skin"), |own| format!("the patch {own}"));
                 Err(Fault::Usage(format!("patch {patch}: this touch model judges {own}; leave the patch out")))
             }
             _ => Ok(OnlineModel::Touch(Arc::new(model))),

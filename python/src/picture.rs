@@ -86,11 +86,12 @@ pub fn shown<'py>(py: Python<'py>, png: Vec<u8>) -> PyResult<Bound<'py, PyAny>> 
     py.import("underbrush._picture")?.call_method1("Picture", (PyBytes::new(py, &png),))
 }
 
-/// A frame of a reach as PNG, or else the first of those in which the most taxels read a force.
-pub fn png_of(recording: &Recording, frame: Option<usize>) -> Result<Vec<u8>, Failure> {
+/// A frame of a reach as PNG, or else the first of those in which the most taxels read a force. `limit_n` is what the controller
+/// allows a taxel, N, if a data set says it.
+pub fn png_of(recording: &Recording, frame: Option<usize>, limit_n: Option<f64>) -> Result<Vec<u8>, Failure> {
     let number = frame.unwrap_or_else(|| fullest(recording));
     frame_of(recording, number)?;
-    Ok(replayed::png(recording, number, SHOWN)?)
+    Ok(replayed::png(recording, number, SHOWN, limit_n)?)
 }
 
 /// A simulation as it is now, with arrows of the contact forces, as PNG.
@@ -111,7 +112,7 @@ fn frame_of(recording: &Recording, number: usize) -> Result<&Frame, Failure> {
 /// Pictures of some frames of a reach as one array, drawn on all cores.
 pub fn draw_frames<'py>(
     py: Python<'py>,
-    (recording, frames): (&Recording, &[usize]),
+    (recording, frames, limit_n): (&Recording, &[usize], Option<f64>),
     (width, height): (usize, usize),
     camera: Option<&PyCamera>,
     (kind, arrows): (&str, bool),
@@ -119,7 +120,7 @@ pub fn draw_frames<'py>(
     frames.iter().try_for_each(|number| frame_of(recording, *number).map(|_| ()))?;
     let size = Size { width, height };
     let aspect = size.check()?.aspect();
-    let stage = replayed::stage(recording)?;
+    let stage = replayed::stage(recording, limit_n)?;
     let stage = if arrows { stage.with_arrows() } else { stage };
     let standard = stage.camera(aspect);
     let moment = |number: usize| {
@@ -181,7 +182,7 @@ pub fn replay_page(
 ) -> Result<String, Failure> {
     pool::detached(py, None, || {
         let judging = model.map(|path| Judging::load(&path, patch.as_deref())).transpose()?;
-        let source = Source::open(&with_recordings(&paths)?, known(), judging)?;
+        let source = Source::open(&with_recordings(&paths)?, known(None), judging)?;
         let all = (0..source.reaches.len()).collect();
         Ok(single_file(&source, &reaches.unwrap_or(all), MAX_PAGE_BYTES)?)
     })

@@ -113,6 +113,12 @@ impl Reach {
         sources
     }
 
+    /// What the controller allows a taxel, N, if a data set says it.
+    fn limit_n(&self) -> Option<f64> {
+        let Source::Dataset(dataset, index) = &self.source else { return None };
+        dataset.force_limit_n(*index)
+    }
+
     fn skin_layout(&self) -> Arc<SkinLayout> {
         let layout = || match &self.source {
             Source::Memory(recording) => Arc::new(recording.layout.clone()),
@@ -232,13 +238,13 @@ impl Reach {
         arrows: bool,
     ) -> Answer<'py> {
         let recording = alone(py, || self.recording())?;
-        picture::draw_frames(py, (&recording, &frames), (width, height), camera, (kind, arrows))
+        picture::draw_frames(py, (&recording, &frames, self.limit_n()), (width, height), camera, (kind, arrows))
     }
 
     /// Draw a frame, or else the first of those in which the most taxels read a force, with arrows of the forces.
     #[pyo3(signature = (frame = None))]
     fn draw<'py>(&self, py: Python<'py>, frame: Option<usize>) -> Answer<'py> {
-        Ok(picture::shown(py, alone(py, || picture::png_of(&*self.recording()?, frame))?)?)
+        Ok(picture::shown(py, alone(py, || picture::png_of(&*self.recording()?, frame, self.limit_n()))?)?)
     }
 
     /// A picture for notebooks; `None` for a robot's log, whose shapes nobody knows.
@@ -247,7 +253,7 @@ impl Reach {
         if recording.bodies.iter().all(|body| body.parts.is_empty()) || recording.frames.is_empty() {
             return Ok(None);
         }
-        Ok(Some(PyBytes::new(py, &alone(py, || picture::png_of(&recording, None))?)))
+        Ok(Some(PyBytes::new(py, &alone(py, || picture::png_of(&recording, None, self.limit_n()))?)))
     }
 
     /// What the numbers of a segmentation mean, as in ``Simulation.labels``.

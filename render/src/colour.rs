@@ -46,12 +46,16 @@ pub fn light_on(normal: Vec3, thin: bool) -> [f32; 2] {
 
 /// A colour such as #1b8a4b as linear light.
 pub fn linear(colour: &str) -> Vec3 {
-    let [red, green, blue] = bytes(colour).map(|byte| {
+    light_of(bytes(colour))
+}
+
+/// The linear light of red, green and blue from 0 to 255.
+fn light_of(bytes: [u8; 3]) -> Vec3 {
+    Vec3::from(bytes.map(|byte| {
         let share = f64::from(byte) / 255.0;
         let light = if share <= 0.04045 { share / 12.92 } else { math::powf((share + 0.055) / 1.055, 2.4) };
         light as f32
-    });
-    Vec3::new(red, green, blue)
+    }))
 }
 
 fn bytes(colour: &str) -> [u8; 3] {
@@ -89,9 +93,8 @@ pub fn of_force(share: f64) -> Vec3 {
     let at = share.clamp(0.0, 1.0).sqrt() * (RAMP.len() - 1) as f64;
     let low = (at as usize).min(RAMP.len() - 2);
     let (from, to) = (bytes(RAMP[low]), bytes(RAMP[low + 1]));
-    let mixed = |axis: usize| {
+    light_of([0, 1, 2].map(|axis| {
         let (from, to) = (f64::from(from[axis]), f64::from(to[axis]));
         (from + (to - from) * (at - low as f64)).round() as u8
-    };
-    linear(&format!("#{:02x}{:02x}{:02x}", mixed(0), mixed(1), mixed(2)))
+    }))
 }

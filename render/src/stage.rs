@@ -98,12 +98,12 @@ impl<'a> Stage<'a> {
         places_world: &[DVec3],
     ) -> Result<Self, RenderError> {
         // The ground is drawn where the top of a table is.
-        let is_table = |body: &Body| match body.owner {
-            BodyOwner::Object(object) => objects.get(usize::from(object)).is_some_and(|object| object.kind == "table"),
-            BodyOwner::Link(_) => false,
-        };
+        let is_table = |object: u16| objects.get(usize::from(object)).is_some_and(|object| object.kind == "table");
         // The table is drawn under whatever is seen, whether it is an object or not.
-        let mesh = |body| if is_table(body) { Mesh::default() } else { Mesh::of_parts(&body.parts) };
+        let mesh = |body: &Body| match body.owner {
+            BodyOwner::Object(object) if is_table(object) => Mesh::default(),
+            _ => Mesh::of_parts(&body.parts),
+        };
         let meshes: Vec<Mesh> = bodies.iter().map(mesh).collect();
         if meshes.iter().all(|mesh| mesh.triangles.is_empty()) {
             return Err(RenderError::NoBodies);
@@ -115,18 +115,16 @@ impl<'a> Stage<'a> {
         for own in bodies.chunk_by(|one, next| one.owner == next.owner) {
             let first = parts.last().map_or(0, |last| last.bodies.end);
             let label = labels.len() as u16;
-            let colour = match &own[0].owner {
-                BodyOwner::Link(name) => {
-                    labels.push(format!("link {name}"));
-                    colour::linear(colour::ARM)
-                }
+            let (name, colour) = match &own[0].owner {
+                BodyOwner::Link(name) => (format!("link {name}"), colour::linear(colour::ARM)),
                 BodyOwner::Object(object) => {
                     let category = objects.get(usize::from(*object)).map_or("", |object| object.category.name());
-                    labels.push(format!("object {object} {category}"));
                     // Neighbours differ a little in lightness.
-                    colour::of_category(category, &further) * (1.0 + 0.12 * (f32::from(*object % 3) - 1.0))
+                    let lighter = 1.0 + 0.12 * (f32::from(*object % 3) - 1.0);
+                    (format!("object {object} {category}"), colour::of_category(category, &further) * lighter)
                 }
             };
+            labels.push(name);
             let surface = Surface { kind: Kind::Solid, colour, label };
             parts.push(Part { bodies: first..first + own.len(), surface });
         }

@@ -67,11 +67,8 @@ impl Sections {
     pub fn add<T: Number>(&mut self, name: &'static str, numbers: impl IntoIterator<Item = T>) {
         self.bytes.resize(self.bytes.len().next_multiple_of(ALIGNMENT), 0);
         let offset = self.bytes.len();
-        let mut count = 0;
-        for number in numbers {
-            number.append(&mut self.bytes);
-            count += 1;
-        }
+        numbers.into_iter().for_each(|number| number.append(&mut self.bytes));
+        let count = (self.bytes.len() - offset) / size_of::<T>();
         self.index.push(Section { name, kind: T::NAME, offset, count });
     }
 
@@ -88,9 +85,8 @@ impl Sections {
             reach: &'a T,
             sections: &'a [Section],
         }
-        let sections = &self.index;
         // Plain data with text keys can always be written.
-        let mut header = serde_json::to_vec(&Header { reach, sections }).unwrap_or_default();
+        let mut header = serde_json::to_vec(&Header { reach, sections: &self.index }).unwrap_or_default();
         header.resize(header.len().next_multiple_of(ALIGNMENT), b' ');
         let total = HEAD_BYTES + header.len() + self.bytes.len();
         if total > MAX_BYTES {

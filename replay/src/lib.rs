@@ -36,6 +36,8 @@ use underbrush_recording::{Audit, SkinLayout};
 pub struct ReplayContext {
     /// The force limit of a taxel, N, by the controller's name.
     pub force_limit_n: fn(&str) -> Option<f64>,
+    /// The force limit of a taxel, N, where it is known for sure: a scene may scale that of its controller.
+    pub stated_limit_n: Option<f64>,
     /// The bounds of the audit that a reach with this skin exceeds, each as a sentence.
     pub audit_warnings: fn(&Audit, &SkinLayout) -> Vec<String>,
 }

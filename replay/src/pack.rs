@@ -6,8 +6,9 @@
 
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
+use serde_json::{Value, json};
 use underbrush_classifier::trial::{TrialError, TrialOptions, taxel_trials};
-use underbrush_recording::{Body, Contact, Fault, Frame, Grid, Pose, Recording, SkinLayout};
+use underbrush_recording::{Body, Contact, Fault, Frame, Patch, Pose, Recording, SkinLayout};
 
 use crate::container::{MAX_BYTES, Sections, first_taxels, starts};
 use crate::judging::unjudged;
@@ -53,22 +54,14 @@ impl Serialize for Header<'_> {
         map.serialize_entry("map", &recording.map)?;
         map.serialize_entry("audit", &recording.audit)?;
         map.serialize_entry("audit_warnings", &(known.audit_warnings)(&recording.audit, &recording.layout))?;
-        // The controller's largest allowed force on a taxel, if the controller is known.
-        map.serialize_entry("force_limit_n", &(known.force_limit_n)(&recording.controller))?;
+        // The controller's largest allowed force on a taxel, if it is known.
+        let limit_n = known.stated_limit_n.or_else(|| (known.force_limit_n)(&recording.controller));
+        map.serialize_entry("force_limit_n", &limit_n)?;
         // A taxel is in contact while it senses more than this, N.
         map.serialize_entry("threshold_n", threshold_n)?;
         map.serialize_entry("verdicts", verdicts)?;
         map.end()
     }
-}
-
-#[derive(Serialize)]
-struct PatchHeader<'a> {
-    name: &'a str,
-    link: &'a str,
-    grid: Option<Grid>,
-    first_taxel: u32,
-    taxels: usize,
 }
 
 /// The name of a reach in errors.
@@ -123,16 +116,12 @@ pub fn pack_from(
     })
 }
 
-fn patches(layout: &SkinLayout) -> Vec<PatchHeader<'_>> {
-    let patches = layout.patches.iter().zip(first_taxels(layout));
-    let patches = patches.map(|(patch, first_taxel)| PatchHeader {
-        name: &patch.name,
-        link: &patch.link,
-        grid: patch.grid,
-        first_taxel,
-        taxels: patch.taxels.len(),
-    });
-    patches.collect()
+fn patches(layout: &SkinLayout) -> Vec<Value> {
+    let patch = |(patch, first_taxel): (&Patch, u32)| {
+        let Patch { name, link, grid, taxels } = patch;
+        json!({ "name": name, "link": link, "grid": grid, "first_taxel": first_taxel, "taxels": taxels.len() })
+    };
+    layout.patches.iter().zip(first_taxels(layout)).map(patch).collect()
 }
 
 /// Adds one row per frame.

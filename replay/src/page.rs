@@ -38,7 +38,7 @@ pub fn policy() -> &'static str {
 /// use underbrush_recording::fault::Fault;
 /// use underbrush_replay::{ReplayContext, Source, single_file};
 ///
-/// let context = ReplayContext { force_limit_n: |_| None, audit_warnings: |_, _| Vec::new() };
+/// let context = ReplayContext { force_limit_n: |_| None, stated_limit_n: None, audit_warnings: |_, _| Vec::new() };
 /// let source = Source::of(Vec::new(), context)?;
 /// assert!(single_file(&source, &[], 50_000_000)?.starts_with("<!doctype html>"));
 /// # Ok::<(), Fault>(())

@@ -125,7 +125,7 @@ impl Shared {
     /// What follows the key in an address, with its slash if there is one; `None` without the key.
     fn path<'a>(&self, target: &'a str) -> Option<&'a str> {
         let rest = target.strip_prefix('/')?;
-        let key = rest.split('/').next()?;
+        let key = rest.split(['/', '?']).next()?;
         (blake3::hash(key.as_bytes()) == self.key).then(|| &rest[key.len()..])
     }
 
@@ -155,7 +155,7 @@ impl Shared {
         let number = number.map(|number| number.parse().unwrap_or(usize::MAX));
         let command = path.strip_prefix(COMMAND).filter(|_| request.head.method == "POST");
         match (&self.content, number, command) {
-            _ if path.is_empty() => Response::redirect(format!("{}/", request.head.target)),
+            _ if path.is_empty() => Response::redirect(format!("{}/{target}", request.head.target.replace(target, ""))),
             _ if path == "/" => Response::new(200, "text/html; charset=utf-8", PAGE.as_bytes()),
             (Content::Stored(source, _), ..) if path == "/api/reaches" => Response::list(&source.reaches),
             (Content::Stored(source, kept), Some(number), _) => reach(source, kept, number),
@@ -172,10 +172,7 @@ impl Shared {
 fn reach(source: &Source, kept: &Mutex<Kept>, number: usize) -> Response {
     let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
     let place = kept.iter().position(|(other, _)| *other == number);
-    let bytes = match place.map(|place| kept.remove(place)) {
-        Some((_, bytes)) => Ok(bytes),
-        None => source.pack(number).map(Arc::new),
-    };
+    let bytes = place.map_or_else(|| source.pack(number).map(Arc::new), |place| Ok(kept.remove(place).1));
     match bytes {
         Ok(bytes) => {
             kept.insert(0, (number, Arc::clone(&bytes)));

@@ -71,7 +71,7 @@ pub struct Held {
 /// let folder = tempfile::tempdir()?;
 /// let table = folder.path().join("trials.csv");
 /// std::fs::write(&table, "trial,reach,patch,taxel,time_s,force_n\n0,0,palm,3,0.00,0.2\n0,0,palm,3,0.01,0.3\n")?;
-/// let context = ReplayContext { force_limit_n: |_| None, audit_warnings: |_, _| Vec::new() };
+/// let context = ReplayContext { force_limit_n: |_| None, stated_limit_n: None, audit_warnings: |_, _| Vec::new() };
 /// let source = Source::open(&[table], context, None)?;
 /// assert_eq!(source.reaches.len(), 1);
 /// assert!(source.pack(0)?.starts_with(b"ubreplay"));
@@ -151,6 +151,12 @@ impl Source {
         scenes.find(|scene| scene.name == self.reaches[number].scene).map(|scene| scene.file.text.as_str())
     }
 
+    /// The force that the controller allows a taxel in a reach of a data set, N; of other reaches it is not known.
+    pub fn stated_limit_n(&self, number: usize) -> Option<f64> {
+        let Some(Place::Dataset { input, index }) = self.places.get(number) else { return None };
+        self.datasets[*input].force_limit_n(*index)
+    }
+
     /// The bytes of a reach for the page.
     ///
     /// # Errors
@@ -160,7 +166,8 @@ impl Source {
             Some(Place::Memory(held)) => held.judging.as_ref(),
             _ => None,
         };
-        pack(&*self.recording(number)?, &self.known, own.or(self.judging.as_ref()))
+        let known = ReplayContext { stated_limit_n: self.stated_limit_n(number), ..self.known };
+        pack(&*self.recording(number)?, &known, own.or(self.judging.as_ref()))
     }
 
     fn add_dataset(&mut self, path: &Path) -> Result<(), Fault> {

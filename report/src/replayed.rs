@@ -15,31 +15,32 @@ use underbrush_sim::controller::ControllerKind;
 /// nobody sends that.
 pub const MAX_PAGE_BYTES: usize = 400_000_000;
 
-/// The force limits of the controllers that ship, and the bounds of the audit.
-pub fn known() -> ReplayContext {
-    ReplayContext { force_limit_n, audit_warnings: audit::exceeded_bounds }
+/// The force limits of the controllers that ship, the one that is known for sure, N, and the bounds of the audit.
+pub fn known(stated_limit_n: Option<f64>) -> ReplayContext {
+    ReplayContext { force_limit_n, stated_limit_n, audit_warnings: audit::exceeded_bounds }
 }
 
-/// The stage of a recording, which knows the force limit of its controller.
+/// The stage of a recording, with this force limit of a taxel, N, or else that of its controller.
 ///
 /// # Errors
 /// As [`Stage::of`].
-pub fn stage(recording: &Recording) -> Result<Stage<'_>, RenderError> {
-    Stage::of(recording, force_limit_n(&recording.controller))
+pub fn stage(recording: &Recording, limit_n: Option<f64>) -> Result<Stage<'_>, RenderError> {
+    Stage::of(recording, limit_n.or_else(|| force_limit_n(&recording.controller)))
 }
 
-/// A frame of a recording with arrows of the contact forces, as PNG.
+/// A frame of a recording with arrows of the contact forces, as PNG. The force limit is that of [`stage`].
 ///
 /// # Errors
 /// If it cannot be drawn.
-pub fn png(recording: &Recording, number: usize, size: Size) -> Result<Vec<u8>, RenderError> {
-    let stage = stage(recording)?.with_arrows();
+pub fn png(recording: &Recording, number: usize, size: Size, limit_n: Option<f64>) -> Result<Vec<u8>, RenderError> {
+    let stage = stage(recording, limit_n)?.with_arrows();
     stage.moment(number as u32, &recording.frames[number]).png(&stage.camera(size.aspect()), size)
 }
 
-/// The force limit of a controller that ships.
+/// The force limit of a controller that ships, also if verdicts change what it allows: their names follow a plus.
 fn force_limit_n(controller: &str) -> Option<f64> {
-    ControllerKind::from_name(controller).ok().map(|kind| kind.preset().force_limit_n)
+    let own = controller.split('+').next()?;
+    ControllerKind::from_name(own).ok().map(|kind| kind.preset().force_limit_n)
 }
 
 /// The page with the general reach that figures show, if there is one, followed by the outlier reaches.
@@ -96,7 +97,7 @@ fn held(session: &Session, recording: Recording, rule: Rule) -> Result<Held, Fau
 
 /// Writes a page with these reaches. Reaches that do not fit are left out with a remark.
 fn page(session: &Session, reaches: impl Iterator<Item = Result<Held, Fault>>, path: &Path) -> Result<(), Fault> {
-    let source = Source::of(reaches.collect::<Result<_, _>>()?, known())?;
+    let source = Source::of(reaches.collect::<Result<_, _>>()?, known(None))?;
     let numbers: Vec<usize> = (0..source.reaches.len()).collect();
     if numbers.is_empty() {
         return Ok(());

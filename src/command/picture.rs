@@ -78,7 +78,7 @@ impl PictureArguments {
         };
         let recording = source.recording(number)?;
         let camera = self.scene_camera(&recording.scene, source.scene_text(number))?;
-        let stage = replayed::stage(&recording)?;
+        let stage = replayed::stage(&recording, source.stated_limit_n(number))?;
         // A camera of the scene shows what a camera sees.
         let stage = if camera.is_none() { stage.with_arrows() } else { stage };
         let (size, camera) = self.view(&stage, camera.as_ref());
@@ -157,9 +157,9 @@ impl PictureArguments {
     }
 }
 
-/// Draws the moment of a reach in which the most taxels read a force.
-pub fn write_fullest(recording: &Recording, path: &Path) -> Result<(), Failure> {
-    Ok(output::write_file(path, &replayed::png(recording, fullest(recording), SIZE)?)?)
+/// Draws the moment of a reach in which the most taxels read a force. The controller allows a taxel `limit_n`, N.
+pub fn write_fullest(recording: &Recording, limit_n: Option<f64>, path: &Path) -> Result<(), Failure> {
+    Ok(output::write_file(path, &replayed::png(recording, fullest(recording), SIZE, limit_n)?)?)
 }
 
 /// Draws an arm in its start posture.

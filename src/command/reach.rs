@@ -12,7 +12,7 @@ use underbrush_recording::disk::write_recording;
 use underbrush_recording::{Audit, GoalRecord, NamedStop, Recording};
 use underbrush_replay::Judging;
 use underbrush_report::drawing::Rows;
-use underbrush_sim::{ControllerKind, ReachPlan, ReachSoFar, Scene};
+use underbrush_sim::{ControllerKind, ReachPlan, Scene};
 
 use super::replay::{ServerArguments, Watched};
 use super::{Overwrite, VerdictArguments, picture};
@@ -121,7 +121,7 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
         let remedy = "a recording is written as Parquet; choose such a name";
         options.overwrite.ending(path, &["parquet"], remedy, &inputs)?;
     }
-    let begin = || Watched::begin(ReachSoFar::new(&plan, options.index), skin, judging.as_ref(), &options.server);
+    let begin = || Watched::begin(&plan, options.index, judging.as_ref(), &options.server);
     let mut watched = options.watch.then(begin).transpose()?;
     let start = Instant::now();
     // The reach waits here for the browser, and while it is paused.
@@ -138,11 +138,11 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
     if let Some(path) = &options.out {
         write_recording(path, &recording)?;
     }
+    let report = Report::of(&recording, &plan, &options_of_trials, wall_s)?;
     if let Some(path) = &options.picture {
-        picture::write_fullest(&recording, path)?;
+        picture::write_fullest(&recording, report.f_max_n, path)?;
     }
     audit::reach_warnings(&recording).into_iter().for_each(output::remark);
-    let report = Report::of(&recording, &plan, &options_of_trials, wall_s)?;
     output::result(json, &report, || report.text())?;
     watched.map_or(Ok(()), |watched| watched.end(recording))
 }
@@ -197,8 +197,8 @@ impl Report {
             })
             .column("seconds", |(_, goal)| format!("{:.1}", goal.seconds));
         let aborted = self.aborted_by.as_ref().map_or(String::new(), |stop| format!(", then aborted: {stop}"));
-        let limit =
-            self.f_max_n.map_or(String::new(), |f_max_n| format!("; the controller's f_max is {f_max_n} N a taxel"));
+        let limit = self.f_max_n.map(|n| format!("; the controller's f_max is {} N a taxel", (1e4 * n).round() / 1e4));
+        let limit = limit.unwrap_or_default();
         let of_patch =
             |(patch, frames): (&String, &u32)| format!("{patch} in {}", output::counted(*frames, "frame", "frames"));
         let touched: Vec<String> = self.touched_frames.iter().map(of_patch).collect();

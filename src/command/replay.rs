@@ -10,10 +10,10 @@ use clap::Args;
 use serde_json::json;
 use underbrush_classifier::Scores;
 use underbrush_recording::disk::with_recordings;
-use underbrush_recording::{Fault, Recording, SkinLayout};
+use underbrush_recording::{Fault, Recording};
 use underbrush_replay::{Judging, JudgingModel, Live, PartialReach, Server, Source, VerdictLog, single_file, unjudged};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
-use underbrush_sim::reach::{Observed, ReachSoFar};
+use underbrush_sim::reach::{Observed, ReachPlan, ReachSoFar};
 
 use super::touch::TouchDecisionArguments;
 use super::{DecisionArguments, Overwrite, PictureArguments};
@@ -88,7 +88,7 @@ pub fn run(options: ReplayOptions, json: bool) -> Result<(), Failure> {
     }
     options.picture.check(options.overwrite, &options.inputs)?;
     let judging = judging(&options)?;
-    let source = Source::open(&with_recordings(&options.inputs)?, known(), judging)?;
+    let source = Source::open(&with_recordings(&options.inputs)?, known(None), judging)?;
     if options.picture.run(&source, &options.reaches, json)? {
         return Ok(());
     }
@@ -183,19 +183,21 @@ pub struct Watched<'a> {
 impl<'a> Watched<'a> {
     /// Starts the server and says where the page is. With a model the page shows its verdicts.
     pub fn begin(
-        so_far: ReachSoFar<'a>,
-        skin: &SkinLayout,
+        plan: &'a ReachPlan,
+        index: u64,
         judging: Option<&Judging>,
         arguments: &ServerArguments,
     ) -> Result<Self, Failure> {
-        let verdicts = judging.map(|judging| judging.begin(skin)).transpose();
+        let verdicts = judging.map(|judging| judging.begin(&plan.arm.skin.layout)).transpose();
         let verdicts = verdicts.map_err(unjudged(REACH))?;
         let live = Arc::new(Live::default());
-        let server = Server::watch(Arc::clone(&live), known(), arguments.port)?;
+        let limit_n = plan.controller.preset().map(|preset| preset.force_limit_n);
+        let server = Server::watch(Arc::clone(&live), known(limit_n), arguments.port)?;
         let address = server.address.clone();
         output::remark(format!("the reach begins when {address} is opened in a browser"));
         arguments.show(&address);
-        Ok(Watched { so_far, verdicts, fault: None, live, server: std::thread::spawn(move || server.run()) })
+        let server = std::thread::spawn(move || server.run());
+        Ok(Watched { so_far: ReachSoFar::new(plan, index), verdicts, fault: None, live, server })
     }
 
     /// Shows one more frame. Waits while the reach is paused.

@@ -1,5 +1,8 @@
 //! `underbrush replay`: what can be tested without a browser.
 
+use underbrush_replay::Source;
+use underbrush_report::replayed::known;
+
 use super::touch;
 use crate::support::fixture::fixture;
 use crate::support::{call, scenes, underbrush};
@@ -28,6 +31,23 @@ fn reaches_are_written_as_one_file() {
     for (id, count) in [("underbrush-reach-0\"", 1), ("underbrush-reach-1\"", 1), ("underbrush-reach-2\"", 0)] {
         assert_eq!(text.matches(&format!("id=\"{id}>")).count(), count, "{id}");
     }
+}
+
+/// Tests that a reach of a data set has the force limit of its scene, which may scale that of the controller, and that a controller
+/// to which verdicts are told has that of the controller alone.
+#[test]
+fn the_force_limit_is_that_of_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let scaled = format!("{}\n[robot]\nforce_limit_scale = 2.0\n", scenes::FEW_TRUNKS);
+    let scene = scenes::write(folder.path(), "scaled.toml", &scaled);
+    let out = folder.path().join("set");
+    underbrush!["generate", scene, "--reaches", "1", "--out", out].success();
+    let source = Source::open(&[out], known(None), None).unwrap();
+    assert_eq!(source.stated_limit_n(0), Some(6.0));
+    assert!(String::from_utf8_lossy(&source.pack(0).unwrap()).contains("\"force_limit_n\":6.0"));
+    let of_controllers = known(None).force_limit_n;
+    assert_eq!((of_controllers("cody-2013"), of_controllers("cody-2013+truth")), (Some(3.0), Some(3.0)));
+    assert_eq!(of_controllers("own"), None);
 }
 
 /// Tests that options that do not fit together, missing files, files of another kind, empty folders and numbers outside the
@@ -68,7 +88,7 @@ fn touch_models_judge_too() {
     assert!(first != second, "the option changed no verdict");
     for (model, option, value, said) in [
         (touch.clone(), "--margin", "3", "--margin"),
-        (touch.clone(), "--patch", "flipper", "patch flipper"),
+        (touch.clone(), "--patch", "flipper", "patch flipper: this touch model judges all patches"),
         (fixture().model(), "--nothing-above", "0.5", "--nothing-above"),
     ] {
         underbrush!["replay", set, "--model", model, option, value, "--out", refused].refused(&[said]);

@@ -1,6 +1,6 @@
 // What is known about the chosen taxel or object at the moment.
 
-import { element, newtons, plural, seconds } from "./dom.ts";
+import { element, newtons, plural, seconds, short } from "./dom.ts";
 import type { Reach } from "./reach.ts";
 import { pushesAt } from "./series.ts";
 import type { State } from "./state.ts";
@@ -17,7 +17,7 @@ function parameter(name: string, value: number): Row {
     [/_deg$/, "°"], [/_kg$/, "kg"], [/_rad$/, "rad"], [/_m$/, "m"], [/_s$/, "s"],
   ];
   const [ending, unit] = units.find(([ending]) => ending.test(name)) ?? [/$^/, ""];
-  return [name.replace(ending, "").replace(/_/g, " "), `${Number(value.toPrecision(4))} ${unit}`.trim()];
+  return [name.replace(ending, "").replace(/_/g, " "), `${short(value)} ${unit}`.trim()];
 }
 
 /** Weaker forces would be shown as 0.00 N. */
@@ -58,7 +58,7 @@ export class Details {
     const lines = pushes.sort((a, b) => b.size - a.size).map(({ object, patch, size, largest }) => {
       const link = element("button", { type: "button", class: "link" }, reach.objectName(object));
       link.addEventListener("click", () => this.selectObject(object));
-      const over = largest > limit ? ` (above the limit of ${limit} N)` : "";
+      const over = largest > limit ? ` (above the limit of ${short(limit)} N)` : "";
       return element("li", {}, link, ` on ${reach.header.patches[patch]!.name}: ${newtons(size)}, largest taxel ${newtons(largest)}${over}`);
     });
     const none = element("p", { class: "key" }, "Nothing presses on the skin.");
@@ -131,7 +131,7 @@ export class Details {
       ["taxels", `${region.taxels}, of which ${region.touchedTaxels} are not called nothing`],
       [
         "known objects as unusual",
-        `${(100 * region.shareBeyond).toFixed(1)} % (unknown at ${100 * share} % or less, in its first 0.6 s at a fifth of that)`,
+        `${(100 * region.shareBeyond).toFixed(1)} % (unknown at ${short(100 * share)} % or less, in its first 0.6 s at a fifth of that)`,
       ],
     ];
     // The truth of the region is that of this taxel.

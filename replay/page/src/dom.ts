@@ -73,6 +73,11 @@ export function newtons(force: number): string {
   return `${force.toFixed(2)} N`;
 }
 
+/** A number with at most four digits that count, so that 1.2 · 3 is 3.6. */
+export function short(value: number): string {
+  return String(Number(value.toPrecision(4)));
+}
+
 export function seconds(time: number): string {
   return `${time.toFixed(2)} s`;
 }

@@ -1,7 +1,7 @@
 // What the colours and marks mean.
 
 import { drawMark, look, type Palette } from "./colours.ts";
-import { element, prepare } from "./dom.ts";
+import { element, prepare, short } from "./dom.ts";
 import type { Reach } from "./reach.ts";
 import type { ColourBy } from "./state.ts";
 import { LONGEST_M, METRES_PER_NEWTON, WEAKEST_N } from "./view/arrows.ts";
@@ -54,7 +54,7 @@ export function drawLegend(box: HTMLElement, reach: Reach, palette: Palette, col
   const text = (words: string) => element("span", { class: "entry" }, words);
   if (colour === "force") {
     entries.push(element("span", { class: "entry" }, "sensed force", colourBar(palette, largest, limit)));
-    if (limit !== null) entries.push(text(`red line and frame: above the controller's limit of ${limit} N`));
+    if (limit !== null) entries.push(text(`red line and frame: above the controller's limit of ${short(limit)} N`));
     entries.push(text(reach.isLog ? "slash: labelled nothing, or not at all" : "slash: a reading that no object causes"));
   } else {
     const names = colour === "truth" ? [...reach.categories, "spurious"] : (verdicts?.verdicts ?? []);
@@ -68,7 +68,7 @@ export function drawLegend(box: HTMLElement, reach: Reach, palette: Palette, col
   // A log has neither true forces nor goals.
   if (!reach.isLog) {
     const cm = 100 * METRES_PER_NEWTON;
-    const over = limit === null ? "" : `; red if one taxel of the contact reads more than the controller's limit of ${limit} N`;
+    const over = limit === null ? "" : `; red if one taxel of the contact reads more than the controller's limit of ${short(limit)} N`;
     if (reach.header.map.length > 0) entries.push(text("cages: the controller's map: dark for what is fixed, blue for what is doubtful, green for what gives way"));
     const longest = LONGEST_M / METRES_PER_NEWTON;
     entries.push(text(`arrows: force of a whole contact from ${WEAKEST_N} N, ${cm} cm per newton up to ${longest} N${over}`), text("blue: goal and path of the hand; grid of 10 cm"));

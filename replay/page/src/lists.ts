@@ -59,10 +59,10 @@ export function reachTable(choose: (reach: Summary) => void): Table<Summary> {
       audited,
     ],
     [
-      { label: "Scene", all: "all", of: (reach) => reach.scene },
-      { label: "Outcome", all: "all", of: outcome.text },
-      { label: "Controller", all: "all", of: controller.text },
-      { label: "Audit", all: "all", of: audited.text },
+      { label: "Scene", of: (reach) => reach.scene },
+      { label: "Outcome", of: outcome.text },
+      { label: "Controller", of: controller.text },
+      { label: "Audit", of: audited.text },
     ],
     choose,
   );
@@ -94,9 +94,9 @@ function trialTable(choose: (trial: Trial) => void): Table<TrialRow> {
       { title: "object", text: ({ trial, reach }) => reach.objectName(trial.object) },
     ],
     [
-      { label: "Truth", all: "all", of: ({ trial }) => trial.truth },
-      { label: "Verdict", all: "all", of: ({ trial }) => trial.verdict ?? "not judged" },
-      { label: "Judged", all: "all", of: ({ trial }) => trial.judgement },
+      { label: "Truth", of: ({ trial }) => trial.truth },
+      { label: "Verdict", of: ({ trial }) => trial.verdict ?? "not judged" },
+      { label: "Judged", of: ({ trial }) => trial.judgement },
     ],
     ({ trial }) => choose(trial),
   );
@@ -127,9 +127,9 @@ function mistakeTable(choose: (mistake: Mistake) => void): Table<MistakeRow> {
       { title: "longest from / s", text: ({ mistake, reach }) => reach.time[mistake.run.first]!.toFixed(2), value: ({ mistake }) => mistake.run.first, hint: () => "Beginning of the longest wrong time, to which a click leads" },
     ],
     [
-      { label: "Truth", all: "all", of: ({ mistake }) => mistake.truth },
-      { label: "Verdict", all: "all", of: ({ mistake }) => mistake.verdict },
-      { label: "Judged", all: "all", of: ({ mistake }) => mistake.judgement },
+      { label: "Truth", of: ({ mistake }) => mistake.truth },
+      { label: "Verdict", of: ({ mistake }) => mistake.verdict },
+      { label: "Judged", of: ({ mistake }) => mistake.judgement },
     ],
     ({ mistake }) => choose(mistake),
   );

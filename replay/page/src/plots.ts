@@ -5,7 +5,7 @@ import "uplot/dist/uPlot.min.css";
 
 import { LEFT, RIGHT } from "./axis.ts";
 import type { Palette } from "./colours.ts";
-import { element, say, seconds } from "./dom.ts";
+import { element, say, seconds, short } from "./dom.ts";
 
 /** Before the name of a category, whose colour a line then has. */
 export const CATEGORY = "category ";
@@ -114,7 +114,7 @@ class Plot {
     };
     const entries = data.curves.map((curve) => entry(curve.name, colour(curve.colour), curve.dash === true));
     this.#entries = entries.map((made) => made.lastElementChild as HTMLElement);
-    if (data.level != null) entries.push(entry(`${data.level.name} ${data.level.value}`, palette.variable("over"), true));
+    if (data.level != null) entries.push(entry(`${data.level.name} ${short(data.level.value)}`, palette.variable("over"), true));
     this.#value.replaceChildren(...entries.flatMap((made) => [made, " "]), data.unit ?? "");
   }
 
@@ -145,7 +145,7 @@ function summary(data: PlotData): string {
     if (best === Number.NEGATIVE_INFINITY) return `${curve.name}: no values`;
     return `${curve.name}: largest ${best.toFixed(2)}${unit} at ${seconds(data.time[at]!)}`;
   });
-  const level = data.level == null ? "" : `; ${data.level.name} ${data.level.value}${unit}`;
+  const level = data.level == null ? "" : `; ${data.level.name} ${short(data.level.value)}${unit}`;
   return `${data.title} over time. ${lines.join("; ")}${level}`;
 }
 

@@ -52,7 +52,11 @@ export interface Push {
   largest: number;
 }
 
-type Triple = [number, number, number];
+export type Triple = [number, number, number];
+
+export function cross(a: Triple, b: Triple): Triple {
+  return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+}
 
 /** Rotates a vector by the quaternion at `at` + 3 of `poses`. */
 export function rotate(poses: Float32Array, at: number, [x, y, z]: Triple): Triple {
@@ -61,7 +65,7 @@ export function rotate(poses: Float32Array, at: number, [x, y, z]: Triple): Trip
   return [x + w * a + j * c - k * b, y + w * b + k * a - i * c, z + w * c + i * b - j * a];
 }
 
-function triple(values: Float32Array, index: number): Triple {
+export function triple(values: Float32Array, index: number): Triple {
   return [values[3 * index]!, values[3 * index + 1]!, values[3 * index + 2]!];
 }
 
@@ -83,11 +87,7 @@ export function pushesAt(reach: Reach, frame: number): Push[] {
       found.set(key, push);
     }
     const [normal, tangent] = [triple(reach.taxelNormal, taxel), triple(reach.taxelTangent, taxel)];
-    const binormal = [
-      normal[1] * tangent[2] - normal[2] * tangent[1],
-      normal[2] * tangent[0] - normal[0] * tangent[2],
-      normal[0] * tangent[1] - normal[1] * tangent[0],
-    ];
+    const binormal = cross(normal, tangent);
     const [along, across] = [reach.shear[2 * row]!, reach.shear[2 * row + 1]!];
     const pose = 7 * (frame * patches + patch);
     const local = [0, 1, 2].map((axis) => -force * normal[axis]! + along * tangent[axis]! + across * binormal[axis]!) as Triple;

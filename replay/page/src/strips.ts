@@ -16,9 +16,6 @@ const EXPLAINED: Record<string, string> = {
 const HEIGHT = 22;
 const GAP = 4;
 
-/** Counts of taxels by name in one column of pixels. */
-type Counts = Map<string, number>;
-
 interface Strip {
   label: string;
   /** Whether it is about the chosen taxel alone. */
@@ -129,7 +126,8 @@ export class Strips {
     let before = 0;
     for (let x = 0; x < this.#axis.span; x++) {
       const end = Math.min(reach.frameAt(this.#axis.time(LEFT + x + 1)) + 1, reach.frames);
-      const counts: Counts = new Map();
+      // Taxels by name in this column of pixels.
+      const counts = new Map<string, number>();
       let total = 0;
       // Where a frame is wider than a pixel, it is in several columns.
       for (let frame = Math.min(before, end - 1); frame < end; frame++) {

@@ -14,7 +14,6 @@ export interface Column<T> {
 
 export interface Filter<T> {
   label: string;
-  all: string;
   of: (row: T) => string;
 }
 
@@ -69,7 +68,7 @@ export class Table<T> {
     for (const { filter, select } of this.#filters) {
       const kept = select.value;
       const names = [...new Set(rows.map(filter.of))].sort();
-      select.replaceChildren(element("option", { value: "" }, filter.all), ...names.map((name) => element("option", { value: name }, name)));
+      select.replaceChildren(element("option", { value: "" }, "all"), ...names.map((name) => element("option", { value: name }, name)));
       select.value = names.includes(kept) ? kept : "";
     }
     this.#stale = true;

@@ -1,6 +1,7 @@
 // Where the taxels of a patch lie on its flat map.
 
 import type { Reach } from "./reach.ts";
+import { cross, rotate, type Triple, triple } from "./series.ts";
 
 /** A taxel on the map: its middle and its side, in a unit common to the map. */
 export interface Cell {
@@ -25,19 +26,13 @@ export function layOut(reach: Reach, patch: number): Plan {
   return reach.header.patches[patch]!.grid === null ? twoSides(reach, patch) : rowsAndColumns(reach, patch);
 }
 
-function position(reach: Reach, taxel: number): number[] {
-  return [0, 1, 2].map((axis) => reach.taxelPosition[3 * taxel + axis]!);
-}
-
 /** The tip of the hand in the frame of the patch's link, in the first frame. */
 function tipInLink(reach: Reach, patch: number): number[] {
-  const at = 7 * patch;
-  const d = [0, 1, 2].map((axis) => reach.tip[axis]! - reach.patchPose[at + axis]!);
-  const [i, j, k, w] = [3, 4, 5, 6].map((axis) => reach.patchPose[at + axis]!) as [number, number, number, number];
-  const [x, y, z] = d as [number, number, number];
+  const pose = reach.patchPose.slice(7 * patch, 7 * patch + 7);
+  const from = [0, 1, 2].map((axis) => reach.tip[axis]! - pose[axis]!) as Triple;
   // The inverse rotation.
-  const [a, b, c] = [2 * (k * y - j * z), 2 * (i * z - k * x), 2 * (j * x - i * y)];
-  return [x + w * a - (j * c - k * b), y + w * b - (k * a - i * c), z + w * c - (i * b - j * a)];
+  pose[6]! *= -1;
+  return rotate(pose, 0, from);
 }
 
 function distance(a: number[], b: number[]): number {
@@ -48,7 +43,7 @@ function rowsAndColumns(reach: Reach, patch: number): Plan {
   const { grid, first_taxel: first, taxels } = reach.header.patches[patch]!;
   const { rows, columns } = grid!;
   const tip = tipInLink(reach, patch);
-  const [start, end] = [position(reach, first), position(reach, first + taxels - 1)];
+  const [start, end] = [triple(reach.taxelPosition, first), triple(reach.taxelPosition, first + taxels - 1)];
   const nearer = distance(start, tip) - distance(end, tip);
   const lastIsNearer = nearer > 0;
   const cells = Array.from({ length: taxels }, (_, index) => {
@@ -59,17 +54,19 @@ function rowsAndColumns(reach: Reach, patch: number): Plan {
   return { cells, width: columns, height: rows, upwards: Math.abs(nearer) > 0.1 * distance(start, end), twoSides: false };
 }
 
-type Vector = [number, number, number];
+/** A patch is square if its taxels lie at least so much apart across its longest direction, as a share of the squares along it. */
+const SQUARE = 0.9;
 
 function dot(a: number[], b: number[]): number {
   return a[0]! * b[0]! + a[1]! * b[1]! + a[2]! * b[2]!;
 }
 
 /** The direction in which points lie farthest apart, by power iteration, orthogonal to `others`. */
-function longest(points: number[][], others: Vector[]): Vector {
-  let axis: Vector = [0.53, 0.61, 0.59];
+function longest(points: number[][], others: Triple[]): Triple {
+  // Of points in a square the first direction is that of the start, of which a second one needs a part beside it.
+  let axis: Triple = others.length === 0 ? [0.53, 0.61, 0.59] : [0.54, 0.6, 0.59];
   for (let round = 0; round < 60; round++) {
-    const next: Vector = [0, 0, 0];
+    const next: Triple = [0, 0, 0];
     for (const point of points) {
       const along = dot(point, axis);
       for (let index = 0; index < 3; index++) next[index]! += along * point[index]!;
@@ -79,7 +76,7 @@ function longest(points: number[][], others: Vector[]): Vector {
       for (let index = 0; index < 3; index++) next[index]! -= along * other[index]!;
     }
     const length = Math.hypot(...next) || 1;
-    axis = next.map((value) => value / length) as Vector;
+    axis = next.map((value) => value / length) as Triple;
   }
   return axis;
 }
@@ -112,20 +109,27 @@ function moveApart(squares: { back: boolean; x: number; y: number }[], size: num
 
 function twoSides(reach: Reach, patch: number): Plan {
   const { first_taxel: first, taxels } = reach.header.patches[patch]!;
-  const places = Array.from({ length: taxels }, (_, index) => position(reach, first + index));
+  const rows = (vectors: Float32Array) => Array.from({ length: taxels }, (_, index) => triple(vectors, first + index));
+  const [places, normals] = [rows(reach.taxelPosition), rows(reach.taxelNormal)];
   const mean = [0, 1, 2].map((axis) => places.reduce((sum, place) => sum + place[axis]!, 0) / taxels);
   const centred = places.map((place) => place.map((value, axis) => value - mean[axis]!));
   let along = longest(centred, []);
-  const across = longest(centred, [along]);
+  let across = longest(centred, [along]);
+  // A square is longest in no direction. Its rows and columns lie as from its first taxel to the nearest one.
+  const spread = (axis: Triple) => centred.reduce((sum, place) => sum + dot(place, axis) ** 2, 0);
+  if (spread(across) > SQUARE * spread(along)) {
+    const outwards = cross(along, across);
+    const steps = centred.map((place) => cross(outwards, place.map((value, axis) => value - centred[0]![axis]!) as Triple));
+    const [nearest] = steps.filter((step) => Math.hypot(...step) > 1e-6).sort((a, b) => Math.hypot(...a) - Math.hypot(...b));
+    along = longest([nearest!], []);
+    across = longest(centred, [along, outwards]);
+  }
   const tip = tipInLink(reach, patch).map((value, axis) => value - mean[axis]!);
   // Up on the map is towards the tip.
-  if (dot(tip, along) < 0) along = along.map((value) => -value) as Vector;
-  const facing = [
-    along[1] * across[2] - along[2] * across[1], along[2] * across[0] - along[0] * across[2], along[0] * across[1] - along[1] * across[0],
-  ];
+  if (dot(tip, along) < 0) along = along.map((value) => -value) as Triple;
+  const facing = cross(along, across);
   const flat = centred.map((place, index) => {
-    const normal = [0, 1, 2].map((axis) => reach.taxelNormal[3 * (first + index) + axis]!);
-    const back = dot(normal, facing) < 0;
+    const back = dot(normals[index]!, facing) < 0;
     return { index, back, x: dot(place, across) * (back ? -1 : 1), y: -dot(place, along) };
   });
   // As large as most can be without touching their neighbours.

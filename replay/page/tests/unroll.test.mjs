@@ -47,3 +47,19 @@ test("a taxel without a neighbour has a place on the map", () => {
     }
   }
 });
+
+/** Tests that the map of a square pad has upright rows and columns, also on a pad that is turned on its link, and on both sides. */
+test("a square pad is not turned on its map", () => {
+  for (const angle of [0, 0.5]) {
+    const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+    const places = Array.from({ length: 16 }, (_, index) => [index % 4, Math.floor(index / 4)]);
+    const turned = places.map(([x, y]) => [0.01 * (cos * x - sin * y), 0.01 * (sin * x + cos * y), 0]);
+    const both = [...turned, ...turned.map(([x, y]) => [x, y, 0.001])];
+    const facing = (side) => places.map(() => [0, 0, side]);
+    for (const [pad, columns] of [[patch(turned, facing(1)), 4], [patch(both, [...facing(1), ...facing(-1)]), 8]]) {
+      const { cells } = layOut(pad, 0);
+      const lines = (axis) => new Set(cells.map((cell) => cell[axis].toFixed(5))).size;
+      assert.deepEqual([lines("x"), lines("y")], [columns, 4], JSON.stringify(cells));
+    }
+  }
+});

@@ -24,6 +24,7 @@ use crate::{ReplayContext, Source};
 /// Made-up values of what the command line knows.
 pub const KNOWN: ReplayContext = ReplayContext {
     force_limit_n: |controller| (controller == "cody-2013").then_some(3.0),
+    stated_limit_n: None,
     audit_warnings: |audit, _| match audit.deepest_penetration_m > 0.01 {
         true => vec!["too deep".into()],
         false => Vec::new(),

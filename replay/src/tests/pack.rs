@@ -58,6 +58,7 @@ fn a_packed_reach_holds_what_was_recorded() {
     assert_eq!(header["seed"], u64::MAX.to_string());
     assert_eq!(header["frames"], 20);
     assert_eq!(header["force_limit_n"], 3.0);
+    assert_eq!(header["patches"][0]["grid"]["columns"], 2);
     assert_eq!(header["objects"][0]["category"], "trunk");
     assert_eq!(header["bodies"][0]["owner"]["link"], "forearm");
     assert_eq!(header["verdicts"], Value::Null);

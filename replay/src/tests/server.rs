@@ -80,9 +80,12 @@ fn the_server_gives_out_page_list_and_reaches() {
     ] {
         assert!(page.head.contains(header), "no {header} in {}", page.head);
     }
-    // Without its last slash, the address leads to the page, too.
-    let bare = get(&place, "GET", "");
-    assert!(bare.status == 308 && bare.head.contains(&format!("location: {}/\r\n", place.base)), "{}", bare.head);
+    // Without its last slash, the address leads to the page, too, also with a query.
+    for query in ["", "?from=mail"] {
+        let bare = get(&place, "GET", query);
+        let location = format!("location: {}/{query}\r\n", place.base);
+        assert!(bare.status == 308 && bare.head.contains(&location), "{}", bare.head);
+    }
     let list: serde_json::Value = serde_json::from_slice(&get(&place, "GET", "/api/reaches").content).unwrap();
     assert_eq!(list.as_array().unwrap().len(), 2);
     let reach = get(&place, "GET", "/api/reach/1?again");

@@ -77,7 +77,7 @@ fn file(moment: &Moment, place: usize) -> String {
 /// If one cannot be drawn.
 pub fn pictures(outcome: &ReachMoments) -> Result<Vec<(String, Vec<u8>)>, RenderError> {
     let drawn = |(place, moment): (usize, &Moment)| {
-        Ok((file(moment, place), replayed::png(&moment.recording, moment.frame_index, SIZE)?))
+        Ok((file(moment, place), replayed::png(&moment.recording, moment.frame_index, SIZE, None)?))
     };
     outcome.all().enumerate().map(drawn).collect()
 }

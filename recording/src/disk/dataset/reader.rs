@@ -236,6 +236,12 @@ impl Dataset {
         Ok(peaks_n)
     }
 
+    /// The force that the controller allows a taxel in a reach, N, if its parameters say it.
+    pub fn force_limit_n(&self, index: usize) -> Option<f64> {
+        let parameters = self.plan.provenance.controller_parameters.get(&self.episodes.get(index)?.scene)?;
+        parameters.get("force_limit_n")?.as_f64()
+    }
+
     /// Reads a reach by its index from 0. The recording equals the one that was staged.
     ///
     /// # Errors

@@ -1,23 +1,25 @@
 // Soft shadows of one lamp, on the bodies and on the ground.
 
-import { DirectionalLight, Group, Mesh, PCFShadowMap, PlaneGeometry, ShadowMaterial, type WebGLRenderer } from "three";
+import { type Box3, DirectionalLight, GridHelper, Group, Mesh, PCFShadowMap, PlaneGeometry, ShadowMaterial, type WebGLRenderer } from "three";
 
 import { LAMP } from "./light.ts";
 
-/** Where shadows are: a square on the ground as large as the grid, its middle and its side, m. */
-export const GROUND = { x: 0.6, y: -0.2, side_m: 2 } as const;
-/** Pixels of the shadow map in each direction: 2 mm each. */
+/** The middle of the ground, the square in which grid and shadows are, m. */
+const GROUND = { x: 0.6, y: -0.2 } as const;
+/** Its side, m: the usual one, a larger one under what is outside of that, and the largest, for what falls from a table and rolls away. */
+const SIDES_M = [2, 20] as const;
+/** Distance of the lines of the grid, m. */
+const GRID_M = 0.1;
+/** Pixels of the shadow map in each direction: 2 mm each on the usual ground. */
 const PIXELS = 1024;
 /** How dark a shadow is on the ground. */
 const DARKNESS = 0.22;
 /** A surface does not shade itself by less than this share of the depth of what is lit. */
 const BIAS = 0.0015;
-/** Distance of the lamp from the middle of the ground, m. */
-const LAMP_M = 2;
 
 export class Shadows extends Group {
   readonly #lamp = new DirectionalLight();
-  readonly #ground = new Mesh(new PlaneGeometry(GROUND.side_m, GROUND.side_m), new ShadowMaterial({ opacity: DARKNESS, depthWrite: false }));
+  readonly #ground = new Mesh(new PlaneGeometry(), new ShadowMaterial({ opacity: DARKNESS, depthWrite: false }));
 
   #laid = false;
 
@@ -32,18 +34,28 @@ export class Shadows extends Group {
     shadow.mapSize.set(PIXELS, PIXELS);
     shadow.radius = 3;
     shadow.bias = -BIAS;
-    const half = GROUND.side_m / 2;
-    Object.assign(shadow.camera, { left: -half, right: half, top: half, bottom: -half, near: LAMP_M - 1.5, far: LAMP_M + 1.5 });
     this.#ground.receiveShadow = true;
     this.add(this.#lamp, this.#lamp.target, this.#ground);
   }
 
-  /** Puts the ground at a height, m; null for none. */
-  lay(height: number | null): void {
+  /** Puts the ground under all that is in this box, at a height, m; null for none. Gives the grid on it. */
+  lay({ min, max }: Box3, height: number | null): GridHelper {
+    const half = Math.max(max.x - GROUND.x, GROUND.x - min.x, max.y - GROUND.y, GROUND.y - min.y, SIDES_M[0] / 2);
+    const side = Math.min(2 * GRID_M * Math.ceil(half / GRID_M - 1e-6), SIDES_M[1]);
     this.#laid = height !== null;
+    this.#ground.scale.setScalar(side);
     this.#ground.position.set(GROUND.x, GROUND.y, (height ?? 0) - 0.0005);
     this.#lamp.target.position.set(GROUND.x, GROUND.y, height ?? 0);
-    this.#lamp.position.fromArray(LAMP).multiplyScalar(LAMP_M).add(this.#lamp.target.position);
+    this.#lamp.position.fromArray(LAMP).multiplyScalar(side).add(this.#lamp.target.position);
+    const { camera } = this.#lamp.shadow;
+    Object.assign(camera, { left: -side / 2, right: side / 2, top: side / 2, bottom: -side / 2, near: side / 4, far: 1.75 * side });
+    camera.updateProjectionMatrix();
+    const grid = new GridHelper(side, Math.round(side / GRID_M));
+    grid.rotation.x = Math.PI / 2;
+    grid.position.copy(this.#lamp.target.position);
+    grid.visible = this.#laid;
+    grid.material.vertexColors = false;
+    return grid;
   }
 
   /** Casts shadows anew where everything is now, or none. */

@@ -16,14 +16,8 @@ interface Solid {
 }
 
 /** Vertices of a body in its own frame. */
-interface Parts {
-  positions: number[];
-  normals: number[];
-  index: number[];
-}
-
-function partsOf(reach: Reach, body: number): Parts {
-  const found: Parts = { positions: [], normals: [], index: [] };
+function partsOf(reach: Reach, body: number) {
+  const found = { positions: [] as number[], normals: [] as number[], index: [] as number[] };
   for (const { shape, pose_body: pose } of reach.header.bodies[body]!.parts) {
     const turn = new Quaternion(...(pose.orientation as [number, number, number, number])).normalize();
     const place = new Vector3(...(pose.position as [number, number, number]));

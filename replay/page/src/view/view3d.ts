@@ -1,6 +1,6 @@
 // The 3-D view of one reach: arm, skin, objects, contact forces, goal and path of the hand.
 
-import { Box3, Color, GridHelper, type LineBasicMaterial, Mesh, MeshBasicMaterial, OctahedronGeometry, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
+import { Box3, Color, type GridHelper, Mesh, MeshBasicMaterial, OctahedronGeometry, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
 
 import type { Palette } from "../colours.ts";
 import { element, prepare } from "../dom.ts";
@@ -13,7 +13,7 @@ import { Ghost } from "./ghost.ts";
 import { ControllerMap } from "./map.ts";
 import { Path } from "./path.ts";
 import { prepareWebGL, Quality } from "./quality.ts";
-import { GROUND, Shadows } from "./shadows.ts";
+import { Shadows } from "./shadows.ts";
 import { Skin } from "./skin.ts";
 import { Viewpoint } from "./viewpoint.ts";
 
@@ -124,17 +124,14 @@ export class View3D {
     // Of a log, nobody knows where the objects stand either.
     const feet = reach.isLog ? [] : reach.header.objects.map((object) => object.position_world[2]!);
     const height = feet.length > 0 ? Math.min(...feet) : null;
-    this.#grid = new GridHelper(GROUND.side_m, 20);
-    this.#grid.rotation.x = Math.PI / 2;
-    this.#grid.position.set(GROUND.x, GROUND.y, height ?? 0);
-    this.#grid.visible = height !== null;
-    this.#shadows.lay(height);
-    (this.#grid.material as LineBasicMaterial).vertexColors = false;
-    this.#scene.add(this.#grid);
     this.#painted = null;
-    if (grown) return;
     this.#bodies.place(0);
     const whole = new Box3().expandByObject(this.#bodies, true);
+    // Objects may have moved.
+    this.#bodies.place(reach.frames - 1);
+    this.#grid = this.#shadows.lay(whole.clone().expandByObject(this.#bodies, true), height);
+    this.#scene.add(this.#grid);
+    if (grown) return;
     if (this.#path.visible) whole.expandByObject(this.#path, true);
     for (let moment = 0; moment < MOMENTS; moment++) {
       this.#skin.place(Math.round((moment / (MOMENTS - 1)) * (reach.frames - 1)));
@@ -188,7 +185,7 @@ export class View3D {
     this.#ghost?.paint(() => second);
     this.#goal.material.color.set(palette.variable("accent"));
     this.#path.material.color.set(palette.variable("accent"));
-    (this.#grid?.material as LineBasicMaterial | undefined)?.color.set(palette.variable("grid"));
+    this.#grid?.material.color.set(palette.variable("grid"));
   }
 
   /** Draws. Called once per animation frame at most; `playing` says that the next frame follows at once. */

@@ -17,7 +17,7 @@ const TURNS: Record<string, [number, number, number]> = {
 };
 
 export class Viewpoint {
-  readonly camera = new PerspectiveCamera(FIELD_DEG, 1, 0.01, 20);
+  readonly camera = new PerspectiveCamera(FIELD_DEG, 1, 0.01, 100);
   readonly #controls: OrbitControls;
   #kind: CameraKind | null = null;
   /** What is to be seen as a whole. */
@@ -37,7 +37,6 @@ export class Viewpoint {
       this.turning = false;
       moved();
     });
-    this.#controls.maxDistance = 6;
     this.#controls.minDistance = 0.03;
     canvas.addEventListener("keydown", (event) => {
       const turn = TURNS[event.key];
@@ -65,6 +64,7 @@ export class Viewpoint {
   /** Takes a new view, of what is in this box, m. */
   show(whole: Box3): void {
     this.#whole = whole;
+    this.#controls.maxDistance = Math.max(6, 3 * whole.min.distanceTo(whole.max));
     this.#kind = null;
   }
 
