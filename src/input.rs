@@ -1,7 +1,6 @@
 //! Reading the input of a command: data sets, recordings or a table of trials. Whole reaches are read one after the other, so that
 //! memory stays bounded.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -103,10 +102,7 @@ pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<TrialInput, Fai
             Ok((recording, source))
         });
         let (trials, data) = read.map_err(about)?;
-        let is_again = |place: &usize| data[..*place].iter().any(|own| own.blake3 == data[*place].blake3);
-        if let Some(again) = (0..data.len()).find(is_again) {
-            return Err(given_twice(&files[again]));
-        }
+        model_data::require_once("input", data.iter().map(|own| &own.blake3).zip(&files))?;
         (trials, data)
     } else if is_folder(path)? {
         let dataset = Dataset::open(path)?;
@@ -131,11 +127,6 @@ pub fn controller() -> impl TypedValueParser<Value = ControllerKind> {
     PossibleValuesParser::new(ControllerKind::names()).try_map(|name| ControllerKind::from_name(&name))
 }
 
-fn given_twice(path: &Path) -> Failure {
-    let allowed = "each data set or recording once, so that no reach counts twice";
-    InputError::new(path, "input", "the same data twice", allowed, "leave it out where it is named again").into()
-}
-
 /// The reaches of some data sets and recordings, in the order in which they are given.
 pub struct Reaches {
     /// Each with its data set; a recording has none.
@@ -154,7 +145,7 @@ impl Reaches {
     /// # Errors
     /// If one is neither a data set nor a recording, or is given twice, as a copy, too: a reach would be in training and test at once.
     pub fn open(paths: &[PathBuf]) -> Result<Self, Failure> {
-        let (paths, mut contents) = (with_recordings(paths)?, BTreeSet::new());
+        let paths = with_recordings(paths)?;
         let source = |path: &PathBuf| {
             check_exists(path, WITH_FRAMES)?;
             let dataset = if is_folder(path)? {
@@ -168,12 +159,12 @@ impl Reaches {
             };
             // Two names and two copies of one file are one file.
             let content = dataset.as_ref().map_or_else(|| file_blake3(path), |dataset| Ok(dataset.data_blake3()))?;
-            if !contents.insert(content) {
-                return Err(given_twice(path));
-            }
-            Ok((path.clone(), dataset))
+            Ok((content, (path.clone(), dataset)))
         };
-        Ok(Reaches { sources: paths.iter().map(source).collect::<Result<_, Failure>>()? })
+        let read = paths.iter().map(source).collect::<Result<Vec<_>, Failure>>()?;
+        let (contents, sources): (Vec<String>, Vec<_>) = read.into_iter().unzip();
+        model_data::require_once("input", contents.iter().zip(&paths))?;
+        Ok(Reaches { sources })
     }
 
     /// Reads one reach after the other.

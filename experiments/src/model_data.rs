@@ -1,13 +1,13 @@
 //! What models are fitted to and by which program, for their provenance.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use serde::Serialize;
 use serde_json::Value;
 use underbrush_classifier::{DataKind, DataSource, Provenance, frequencies};
 use underbrush_recording::disk::{Episode, file_blake3, is_folder, is_recording, read_recording, read_trials};
-use underbrush_recording::{Dataset, DiskError, Recording, Trial, period_s};
+use underbrush_recording::{Dataset, DiskError, InputError, Recording, Trial, period_s};
 
 use crate::dataset::PROGRAM_VERSION;
 
@@ -22,6 +22,60 @@ pub fn provenance(options: Value, data: Vec<DataSource>) -> Provenance {
     let provenance = Provenance { program, options, data, further: BTreeMap::new() };
     provenance.warn_of_several_rates();
     provenance
+}
+
+/// Demands that no data are given twice, under whatever name or in whatever copy: a reach would be in training and test at once. Each
+/// part is its hash and the file that errors are about; `field` is that of errors.
+///
+/// # Errors
+/// [`InputError`] about the first part that was there before.
+pub fn require_once<P: AsRef<Path>>(field: &str, parts: impl Iterator<Item = (impl Ord, P)>) -> Result<(), InputError> {
+    let mut contents = BTreeSet::new();
+    for (content, file) in parts {
+        if !contents.insert(content) {
+            let allowed = "each data set or recording once, so that no reach counts twice";
+            let remedy = "leave it out where it is named again";
+            return Err(InputError::new(file, field, "the same data twice", allowed, remedy));
+        }
+    }
+    Ok(())
+}
+
+/// Checks the data of an evaluation before it begins: `tested`, which warnings call `subject`, judged by a `model` that was fitted
+/// before, or else by one that will be fitted to the data of `train`, which is the file and the field that errors are about and the
+/// data, or else by cross-validation. Warns of a model that was fitted to what is tested, and of data of several rates.
+///
+/// # Errors
+/// [`InputError`] if training and test have the same data, under whatever name and in whatever copy: the accuracy would be that on
+/// training data.
+pub fn check_tested(
+    (subject, tested): (&str, &[DataSource]),
+    model: Option<&Provenance>,
+    train: Option<(&Path, &str, &[DataSource])>,
+) -> Result<(), InputError> {
+    let of = |data: &[DataSource]| Provenance { data: data.to_vec(), ..Provenance::default() };
+    let are_tested = |data: &[DataSource]| data.iter().any(|own| tested.iter().any(|other| other.blake3 == own.blake3));
+    match (model, train) {
+        (Some(model), _) => {
+            if are_tested(&model.data) {
+                let found = "the model was fitted to these data, so its accuracy on them is too high";
+                log::warn!("warning: {subject}: {found}; evaluate it on other data");
+            }
+            model.warn_of_rates(subject, tested);
+        }
+        (None, Some((file, field, fitted))) => {
+            if are_tested(fitted) {
+                let found = "the same data to fit on and to test on";
+                let allowed = "other data than TRIALS, because the accuracy on data that were fitted to is too high";
+                let remedy = "give other data, or leave out --train to cross-validate";
+                return Err(InputError::new(file, field, found, allowed, remedy));
+            }
+            of(fitted).warn_of_several_rates();
+            of(fitted).warn_of_rates(subject, tested);
+        }
+        (None, None) => of(tested).warn_of_several_rates(),
+    }
+    Ok(())
 }
 
 /// A data set, a recording or a table of trials.

@@ -8,9 +8,9 @@ use pyo3::types::PyType;
 use underbrush_recording::FRAME_PERIOD_S;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::controller::{
-    ControlStatus, Controller, ControllerInput, ControllerKind, ControllerOutput, Intent, Preset,
+    ControlStatus, Controller, ControllerInput, ControllerKind, ControllerOutput, Intent,
 };
-use underbrush_sim::reach::MakeController;
+use underbrush_sim::reach::{MakeController, PlannedController};
 
 use crate::{Answer, Failure, PyArm, PyScene, Stop, array};
 
@@ -88,7 +88,8 @@ getters! {
         [own.contacts.len(), 3, own.joint_angle_rad.len()];
 }
 
-/// A controller that ships, to be called from Python. With ``scene`` it knows how high the ground is, as in a reach.
+/// A controller that ships, to be called from Python. With ``scene`` it has the scene's factors on speed and force limit, and knows
+/// how high the ground is, as in a reach.
 #[pyclass(frozen, name = "ShippedController", module = "underbrush._core")]
 pub struct ShippedController {
     controller: Mutex<(Box<dyn Controller>, Intent)>,
@@ -107,8 +108,8 @@ impl ShippedController {
     #[pyo3(signature = (arm, name = "cody-2013", *, scene = None))]
     fn new(arm: &PyArm, name: &str, scene: Option<&PyScene>) -> Result<Self, Failure> {
         let kind = ControllerKind::from_name(name)?;
-        let floor_height_m = scene.map_or(f64::NEG_INFINITY, |own| own.scene.floor_height_m());
-        let controller = kind.controller(Preset { floor_height_m, ..kind.preset() }, &arm.arm);
+        let preset = scene.map_or_else(|| kind.preset(), |own| PlannedController::preset_in(&own.scene, kind));
+        let controller = kind.controller(preset, &arm.arm);
         Ok(ShippedController {
             name: controller.name().to_owned(),
             rate_hz: controller.rate_hz(),

@@ -4,7 +4,7 @@ use std::sync::{Mutex, MutexGuard};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use underbrush_sim::environment::{ActionKind, EnvironmentOptions, Environments, Part, Stepped};
+use underbrush_sim::environment::{EnvironmentOptions, Environments, Part, Stepped};
 use underbrush_sim::{ControllerKind, ReachPlan};
 
 use crate::pool::{self, Helpers};
@@ -75,17 +75,7 @@ impl PyEnvironments {
         jobs: Option<usize>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> Result<Self, Failure> {
-        let given = options;
-        let options: EnvironmentOptions = given::options(given)?;
-        let (unused, action, other) = match options.action {
-            ActionKind::Equilibrium => ("largest_waypoint_m", "equilibrium", "waypoint"),
-            ActionKind::Waypoint => ("largest_change_rad", "waypoint", "equilibrium"),
-        };
-        let unused_value = given.map(|given| given.get_item(unused)).transpose()?.flatten();
-        if unused_value.is_some_and(|value| !value.is_none()) {
-            let (found, allowed) = (format!("given with action={action:?}"), format!("only for action={other:?}"));
-            return Err(Failure::argument(unused, found, allowed, "leave it out"));
-        }
+        let options: EnvironmentOptions = given::options(options)?;
         let kind = controller.map(ControllerKind::from_name).transpose()?;
         let plan = ReachPlan::new(self::scene(scene)?, kind, seed)?;
         if !(1..=4096).contains(&count) {

@@ -1,9 +1,8 @@
 //! Turns errors of the libraries into exceptions of the package, and their warnings into Python warnings.
 
-use std::ffi::CString;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-use pyo3::exceptions::{PyIndexError, PyUserWarning};
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PySlice;
 use underbrush_classifier::ModelError;
@@ -147,12 +146,19 @@ impl From<ModelError> for Failure {
     }
 }
 
+/// A warning of the libraries as one of Python.
+///
+/// # Errors
+/// If a filter turns warnings into exceptions.
+pub fn warn(py: Python<'_>, text: String) -> PyResult<()> {
+    py.import("underbrush._errors")?.call_method1("warn", (text,)).map(drop)
+}
+
 /// Shows a warning of the libraries.
 pub fn show_warning(text: String) {
-    let text = CString::new(text.trim_start_matches("warning: ").replace('\0', "")).unwrap_or_default();
     Python::attach(|py| {
         // A filter may turn warnings into exceptions, but this call has no caller that could raise them.
-        if let Err(error) = PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1) {
+        if let Err(error) = warn(py, text) {
             error.write_unraisable(py, None);
         }
     });

@@ -1,5 +1,6 @@
 //! Fitting classifiers to trials, and evaluating them.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
@@ -11,7 +12,7 @@ use underbrush_classifier::evaluate::{
 };
 use underbrush_classifier::fit_options::FitOptions;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
-use underbrush_classifier::{ClassifierKind, Estimator, HmmClassifier, Model, Recipe, Scores};
+use underbrush_classifier::{ClassifierKind, DataKind, DataSource, Estimator, HmmClassifier, Model, Recipe, Scores};
 use underbrush_experiments::model_data;
 
 use crate::python_classifier::{PythonClassifier, PythonEstimator};
@@ -43,13 +44,6 @@ impl Options {
     /// The kind of scores that the classifier gives.
     pub fn scores(&self) -> Scores<'static> {
         Scores::of_recipe(self.recipe.as_ref())
-    }
-
-    /// The first option that was given although start models keep their own.
-    fn kept(&self) -> Option<String> {
-        let training = ["score", "iterations", "tolerance", "variance_floor"];
-        let other = (self.recipe.is_none()).then(|| "classifier".to_owned());
-        other.into_iter().chain(self.options.given()).find(|option| !training.contains(&option.as_str()))
     }
 }
 
@@ -93,28 +87,12 @@ pub fn fit(
     outlier_prior: Option<f64>,
     jobs: Option<usize>,
 ) -> Result<PyModel, Failure> {
-    let refused =
-        |option: &str, found: &str, allowed: &str| Err(Failure::argument(option, found, allowed, "leave it out"));
-    match (start, options.kept()) {
-        (Some(_), Some(option)) => {
-            let allowed = "only the training options, because the start models keep the others";
-            return refused(&option, "given with start", allowed);
-        }
-        (Some(_), None) if false_positive_rate.is_some() => {
-            let allowed = "only without start, because thresholds are chosen on models that are fitted from scratch";
-            return refused("false_positive_rate", "given with start", allowed);
-        }
-        _ if outlier_prior.is_some() && false_positive_rate.is_none() => {
-            let allowed = "only with it, because it is for the thresholds";
-            return refused("outlier_prior", "given without false_positive_rate", allowed);
-        }
-        _ => {}
-    }
     let outlier_prior = outlier_prior.unwrap_or(ThresholdTargets::OUTLIER_PRIOR);
     let training = options.recipe.as_ref().map(|recipe| recipe.training);
     let fitted = || -> Result<_, Failure> {
         let Some(start) = start else { return Ok(Model::new(options.estimator()?.fit(&trials.all())?)) };
         let (models, training) = (start.model.hmm()?, training.unwrap_or_default());
+        start.model.warn_of_further_training("start", "trials", &trials.sources);
         Ok(Model::new(Box::new(HmmClassifier::train_from(models, &trials.list, &training)?)))
     };
     let model = watched(py, jobs, &Arc::default(), None, |_| {
@@ -123,7 +101,9 @@ pub fn fit(
             let folds = Folds::for_thresholds(&trials.list);
             let held_out = HeldOut::of(&trials.list, options.estimator()?.as_ref(), folds)?;
             let targets = ThresholdTargets { false_positive_rate, outlier_prior };
-            model.decision = Some(held_out.choose_thresholds(targets)?.decision);
+            let chosen = held_out.choose_thresholds(targets)?;
+            chosen.warn_of_little_use();
+            model.decision = Some(chosen.decision);
         }
         // The trials may have been selected or relabelled, so their sources alone do not describe them.
         let mut data = trials.sources.clone();
@@ -182,8 +162,14 @@ pub fn evaluate_trials<'py>(
     if let Ok(model) = classifier.cast::<PyModel>() {
         refuse("a fitted model", &of_fitting)?;
         let decision = model.get().deciding(decision)?;
-        let model = model.get().model.classifier.as_ref();
-        return judged(watched(py, jobs, &Arc::default(), None, |_| Ok(evaluate(model, list, &decision)?))?);
+        let Model { classifier, provenance, .. } = &model.get().model;
+        return judged(watched(py, jobs, &Arc::default(), None, |_| {
+            let is_in_memory = |data: &DataSource| data.kind == DataKind::Trials && data.name.is_none();
+            let is_selected = provenance.data.iter().any(is_in_memory);
+            let tested = if is_selected { exactly(trials) } else { trials.sources.clone() };
+            model_data::check_tested(("trials", &tested), Some(provenance), None)?;
+            Ok(evaluate(classifier.as_ref(), list, &decision)?)
+        })?);
     }
     let scores = classifier.cast::<Options>().map_or_else(|_| Scores::of_any_kind(), |options| options.get().scores());
     let decision = given::decision(decision, &scores)?;
@@ -201,8 +187,16 @@ pub fn evaluate_trials<'py>(
     let by = group.map(|name| given::named("group", name)).transpose()?;
     let own = Folds { count: folds.unwrap_or(Folds::COUNT), by: by.unwrap_or_else(|| FoldBy::advised(list)) };
     let judged = watched(py, jobs, &raised, None, |_| match train {
-        Some(train) => Ok(evaluate(estimator.fit(&train.all())?.as_ref(), list, &decision)?.into()),
+        Some(train) => {
+            let (fitted, tested) = (exactly(train), exactly(trials));
+            let given = Some((Path::new("argument"), "train", fitted.as_slice()));
+            model_data::check_tested(("trials", &tested), None, given)?;
+            let fitted = Model::new(estimator.fit(&train.all())?);
+            fitted.warn_of_little_data();
+            Ok(evaluate(fitted.classifier.as_ref(), list, &decision)?.into())
+        }
         None => {
+            model_data::check_tested(("trials", &trials.sources), None, None)?;
             warn_of_left_out(list);
             let evaluation = cross_validate(list, estimator, own, &decision)?;
             let series = by_samples.then(|| accuracy_by_samples(list, estimator, own, 1)).transpose()?;
@@ -210,6 +204,13 @@ pub fn evaluate_trials<'py>(
         }
     });
     json::to_python(py, &judged?)
+}
+
+/// The data that trials are from, with the hash of just these trials: others of the same data may be fitted to.
+fn exactly(trials: &Trials) -> Vec<DataSource> {
+    let own = model_data::in_memory(&*trials.list);
+    let selected = trials.sources.iter().map(|data| DataSource { blake3: own.blake3.clone(), ..data.clone() });
+    selected.chain([own.clone()]).collect()
 }
 
 /// Refuses arguments that would have no effect.

@@ -31,7 +31,7 @@ mod trials;
 use arm::{PyArm, Skin, patch_index};
 use classifier::PyModel;
 use dataset::PyDataset;
-use failure::{Answer, Failure, locked, place, places, show_warning};
+use failure::{Answer, Failure, locked, place, places, show_warning, warn};
 use frame::PyFrame;
 use picture::PyCamera;
 use pool::alone;

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::{IntoPyDict, PyDict, PyList};
 use underbrush_classifier::any_model::OnlineJudge;
 use underbrush_classifier::{OnlineClassifier, OnlineOptions, Scores};
 use underbrush_recording::SkinLayout;
@@ -46,9 +46,7 @@ impl Online {
 
 /// A dictionary with a number for each category.
 fn by_category<'py>(py: Python<'py>, categories: &[String], numbers: &[f64]) -> PyResult<Bound<'py, PyDict>> {
-    let dict = PyDict::new(py);
-    categories.iter().zip(numbers).try_for_each(|(category, number)| dict.set_item(category, number))?;
-    Ok(dict)
+    categories.iter().zip(numbers).into_py_dict(py)
 }
 
 #[pymethods]

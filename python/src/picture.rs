@@ -17,7 +17,7 @@ use underbrush_report::replayed::{self, MAX_PAGE_BYTES, known};
 use underbrush_sim::scene::SceneCamera;
 use underbrush_sim::simulation::Simulation;
 
-use crate::{Failure, array, json, pool, watched};
+use crate::{Failure, array, json, watched};
 
 /// Size of the pictures that notebooks show.
 const SHOWN: Size = Size { width: 800, height: 450 };
@@ -180,7 +180,7 @@ pub fn replay_page(
     model: Option<PathBuf>,
     patch: Option<String>,
 ) -> Result<String, Failure> {
-    pool::detached(py, None, || {
+    watched(py, None, &Arc::default(), None, |_| {
         let judging = model.map(|path| Judging::load(&path, patch.as_deref())).transpose()?;
         let source = Source::open(&with_recordings(&paths)?, known(None), judging)?;
         let all = (0..source.reaches.len()).collect();

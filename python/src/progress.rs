@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use underbrush_experiments::{Counter, Progress};
 use underbrush_recording::GoalOutcomes;
 
-use crate::{Failure, pool};
+use crate::{Failure, pool, warn};
 
 /// How often signals are checked.
 const PERIOD: Duration = Duration::from_millis(50);
@@ -47,9 +47,7 @@ impl Reported {
             let mut done = self.done.lock();
             Done { remarks: std::mem::take(&mut done.remarks), ..*done }
         };
-        for remark in remarks {
-            py.import("warnings")?.call_method1("warn", (remark,))?;
-        }
+        remarks.into_iter().try_for_each(|remark| warn(py, remark))?;
         if let Some(callback) = self.callback.as_ref().filter(|_| total > 0) {
             let goals = if goals.tried() == 0 { String::new() } else { goals.to_string() };
             callback.call1(py, (things, total, goals))?;

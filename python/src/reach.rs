@@ -96,6 +96,12 @@ impl Reach {
         }
     }
 
+    /// The hash of the data set that it is in, its index there, and the number of reaches there; `None` if it is in none.
+    pub fn place(&self) -> Option<(String, usize, usize)> {
+        let Source::Dataset(dataset, index) = &self.source else { return None };
+        Some((dataset.data_blake3(), *index, dataset.episodes().len()))
+    }
+
     /// The data that these reaches are from: each data set once, and each recording.
     pub fn sources<'a>(reaches: impl IntoIterator<Item = &'a Reach>) -> Vec<DataSource> {
         let mut sources = Vec::new();

@@ -35,13 +35,6 @@ pub fn check<'py>(
     progress: Option<Py<PyAny>>,
     jobs: Option<usize>,
 ) -> Answer<'py> {
-    if suites.is_empty() {
-        return Err(Failure::argument("suites", "none", "one suite file or more", "name one"));
-    }
-    if bless && seed.is_some() {
-        let allowed = "bounds from the seed of the file";
-        return Err(Failure::argument("bless", "True with a seed", allowed, "leave the seed out"));
-    }
     for file in out.iter().flat_map(|folder| suite_text::FILES.map(|name| folder.join(name))) {
         check_free(&file, force)?;
     }
@@ -68,9 +61,6 @@ pub fn reproduce<'py>(
     progress: Option<Py<PyAny>>,
     jobs: Option<usize>,
 ) -> Answer<'py> {
-    if !(1..=10_000).contains(&campaigns) {
-        return Err(Failure::argument("campaigns", campaigns.to_string(), "1 to 10000", "use 1"));
-    }
     let experiment = Experiment::load_or_paper(experiment.as_deref())?;
     let reproduction =
         Reproduction { seed: seed.unwrap_or(experiment.file.seed), experiment: &experiment, quick, campaigns, force };
@@ -102,21 +92,18 @@ pub fn run_campaign(
 /// `underbrush validate --json` prints them.
 #[pyfunction]
 #[pyo3(signature = (only = None, *, tolerance_scale = 1.0, jobs = None))]
-pub fn validate<'py>(
-    py: Python<'py>,
-    only: Option<Vec<String>>,
-    tolerance_scale: f64,
-    jobs: Option<usize>,
-) -> Answer<'py> {
+pub fn validate(py: Python<'_>, only: Option<Vec<String>>, tolerance_scale: f64, jobs: Option<usize>) -> Answer<'_> {
     if !(0.0..=f64::MAX).contains(&tolerance_scale) {
         let found = tolerance_scale.to_string();
         return Err(Failure::argument("tolerance_scale", found, "a number, zero or more", "use 1"));
     }
-    if let Some(name) = only.iter().flatten().find(|name| !checks().contains(&name.as_str())) {
-        return Err(Failure::argument("only", format!("{name:?}"), checks().join(", "), "choose some of them"));
-    }
     let chosen = |check: &&Check| only.as_ref().is_none_or(|only| only.iter().any(|name| name == check.name));
     let chosen: Vec<&Check> = CHECKS.iter().filter(chosen).collect();
+    let unknown = only.iter().flatten().find(|name| !checks().contains(&name.as_str()));
+    let none = chosen.is_empty().then(|| "none".to_owned());
+    if let Some(found) = unknown.map(|name| format!("{name:?}")).or(none) {
+        return Err(Failure::argument("only", found, checks().join(", "), "choose some of them"));
+    }
     let run = |_: &_| Ok(underbrush_validation::run(&chosen, tolerance_scale, stop::check));
     json::to_python(py, &watched(py, jobs, &Arc::default(), None, run)?)
 }
@@ -176,7 +163,7 @@ pub fn benchmark_sets(
 #[pyo3(signature = (place, part, *, track, shard, model = None, controller = None, verdicts = None, quick = false, jobs = None))]
 pub fn benchmark_part(
     py: Python<'_>,
-    place: usize,
+    place: isize,
     part: PathBuf,
     track: &str,
     shard: (u64, u64),
@@ -188,11 +175,7 @@ pub fn benchmark_part(
 ) -> Result<(), Failure> {
     let stop = Arc::new(Stop::default());
     let mut sets = entry(track, model, controller, verdicts, &stop)?.sets(quick)?;
-    if place >= sets.len() {
-        let allowed = format!("0 to {}", sets.len().saturating_sub(1));
-        return Err(Failure::argument("place", place.to_string(), allowed, "choose a set"));
-    }
-    let mut campaign = sets.swap_remove(place).campaign;
+    let mut campaign = sets.swap_remove(crate::place(place, sets.len())?).campaign;
     campaign.shard = Some(generate::part(shard)?);
     generate::write(py, &campaign, &part, [false; 2], &stop, None, jobs).map(drop)
 }

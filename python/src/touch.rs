@@ -10,7 +10,7 @@ use underbrush_classifier::evaluate::touch_folds::{
     ReadReaches, add_auxiliary, cross_validate_touch, judge_touch, touch_examples,
 };
 use underbrush_classifier::touch::{TOUCH_FORMAT, TouchExamples, TouchModel, TouchOptions};
-use underbrush_classifier::{DataSource, FORMAT};
+use underbrush_classifier::{DataKind, DataSource, FORMAT};
 use underbrush_experiments::model_data;
 use underbrush_recording::disk::{is_folder, read_recording, with_recordings};
 use underbrush_recording::{Fault, Recording, stop};
@@ -60,10 +60,10 @@ impl PyTouchModel {
         let reaches = Given::of("reaches", reaches)?;
         let auxiliary = auxiliary.map_or(Ok(Given::default()), |own| Given::of("auxiliary", own))?;
         let fit = |_: &_| {
+            let sources = sources(reaches.0.iter().chain(&auxiliary.0))?;
             let mut examples = touch_examples(&reaches, options)?;
             add_auxiliary(&mut examples, &auxiliary)?;
             let mut model = examples.fit(limit_wrong)?;
-            let sources = sources(reaches.0.iter().chain(&auxiliary.0))?;
             model.provenance = model_data::provenance(json!({ "limit_wrong": limit_wrong }), sources);
             Ok(model)
         };
@@ -90,7 +90,10 @@ impl PyTouchModel {
         let options = TouchOptions::of(patch, threshold_n);
         let reaches = Given::of("reaches", reaches)?;
         let fit = |examples: &TouchExamples| Ok(examples.fit(limit_wrong)?);
-        let judge = |_: &_| cross_validate_touch(folds, options, &reaches, fit, Failure::from);
+        let judge = |_: &_| {
+            model_data::check_tested(("reaches", &sources(&reaches.0)?), None, None)?;
+            cross_validate_touch(folds, options, &reaches, fit, Failure::from)
+        };
         json::to_python(py, &watched(py, jobs, &Arc::default(), None, judge)?)
     }
 
@@ -145,10 +148,13 @@ impl PyTouchModel {
     /// Judge the frames of reaches with ground truth.
     fn evaluate<'py>(&self, py: Python<'py>, reaches: &Bound<'py, PyAny>) -> Answer<'py> {
         let reaches = Given::of("reaches", reaches)?;
-        for data in alone(py, || sources(&reaches.0))? {
-            self.model.provenance.warn_of_rate(data.name.as_deref().unwrap_or("reaches"), data.rate_hz);
-        }
-        let judge = |_: &_| judge_touch(self.model.as_ref().clone(), &reaches);
+        let judge = |_: &_| {
+            let mut data = sources(&reaches.0)?;
+            // The model may have been fitted to the other reaches of a data set.
+            data.iter_mut().filter(|own| !reaches.has_all_of(own)).for_each(|own| own.blake3.clear());
+            model_data::check_tested(("reaches", &data), Some(&self.model.provenance), None)?;
+            judge_touch(self.model.as_ref().clone(), &reaches)
+        };
         json::to_python(py, &watched(py, None, &Arc::default(), None, judge)?)
     }
 
@@ -203,18 +209,33 @@ impl Given {
         }
         Ok(Given(places))
     }
+
+    /// Whether these are all reaches of a data set that some of them are from; true for other data.
+    fn has_all_of(&self, data: &DataSource) -> bool {
+        let given: usize = data.reaches.values().sum();
+        let places =
+            self.0.iter().filter_map(|place| if let Place::Reach(own) = place { own.get().place() } else { None });
+        places.filter(|(blake3, ..)| *blake3 == data.blake3).all(|(_, _, all)| given == all)
+    }
 }
 
 /// The data that reaches are from.
+///
+/// # Errors
+/// If a file cannot be read; `Fault::Input` if a reach is given twice.
 fn sources<'a>(places: impl IntoIterator<Item = &'a Place>) -> Result<Vec<DataSource>, Failure> {
     let (mut reaches, mut files) = (Vec::new(), Vec::new());
     for place in places {
         match place {
             Place::Reach(reach) => reaches.push(reach.get()),
-            Place::File(path) => files.push(model_data::of_path(path)?),
+            Place::File(path) => files.push(model_data::of_file(path, &read_recording(path)?)?),
         }
     }
-    Ok([Reach::sources(reaches), files].concat())
+    let in_sets: Vec<_> = reaches.iter().filter_map(|own| own.place()).collect();
+    let sources = [Reach::sources(reaches), files].concat();
+    let others = sources.iter().filter(|own| own.kind != DataKind::DataSet).map(|own| (own.blake3.clone(), 0, 0));
+    model_data::require_once("reaches", in_sets.into_iter().chain(others).map(|own| (own, "argument")))?;
+    Ok(sources)
 }
 
 impl ReadReaches for Given {

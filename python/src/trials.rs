@@ -9,7 +9,7 @@ use pyo3::types::{PyBytes, PyCapsule, PySlice};
 use underbrush_classifier::{DataSource, FeatureSet};
 use underbrush_experiments::model_data;
 use underbrush_recording::disk::{DiskError, check_free, read_trials, trial_table, write_trials};
-use underbrush_recording::{Category, Fault, Region, Sample, Trial, limits};
+use underbrush_recording::{Category, Region, Sample, Trial, limits};
 
 use crate::{Answer, Failure, PyTable, alone, array, given, json, place, places};
 
@@ -169,19 +169,7 @@ impl Trials {
     /// The trials of a data frame that was written to this CSV file.
     #[staticmethod]
     fn _of_frame(py: Python<'_>, path: PathBuf, min_samples: usize) -> Result<Self, Failure> {
-        let mut list = alone(py, || Ok(read_trials(&path)?)).map_err(|failure| match failure {
-            Failure::Fault(Fault::Input(mut error)) => {
-                // The first line is the header.
-                if let Some(row) = error.line.take().and_then(|line| line.checked_sub(2)) {
-                    error.field = format!("row {row}, {}", error.field);
-                }
-                error.file = "the data frame".into();
-                Failure::Fault(Fault::Input(error))
-            }
-            other => other,
-        })?;
-        list.retain(|trial| trial.samples.len() >= min_samples);
-        Ok(Trials::new(list))
+        Ok(Trials { sources: Vec::new(), ..Self::load(py, path, min_samples)? })
     }
 
     /// Write the trials as a table (.csv or .parquet). Only with ``force`` is a file overwritten.

@@ -42,6 +42,17 @@ def test_it_writes_the_bytes_of_the_package(tmp_path: Path) -> None:
     assert files[0].read_bytes() == files[1].read_bytes()
 
 
+def test_warnings_are_those_of_the_program(trials: underbrush.Trials, tmp_path: Path) -> None:
+    """Tests that the command prints warnings as lines in the words of the command line, and that calls give them in Python's."""
+    table, model = str(tmp_path / "trials.csv"), str(tmp_path / "model.json")
+    trials.save(table)
+    assert run("train", table, "--classifier", "naive-bayes", "--out", model).returncode == 0
+    expected = "the model was fitted to these data, so its accuracy on them is too high; evaluate it on other data"
+    assert f"warning: {table}: {expected}" in run("evaluate", table, "--model", model).stderr.splitlines()
+    with pytest.warns(UserWarning, match='^allow a higher false_positive_rate, or use classify with decision="argmax"$'):
+        underbrush._errors.warn("warning: allow a higher --false-positive-rate, or use classify --decision argmax")
+
+
 def test_exit_status_and_json() -> None:
     """Bad input gives the status 2 and one JSON object, and good input 0."""
     good, bad = run("inspect", "mixed", "--json"), run("inspect", "nothing", "--json")

@@ -212,6 +212,10 @@ def test_map_style_data_sets(data: ub.Dataset, trials: ub.Trials) -> None:
         ub.TrialDataset(trials, ["x"])
     with pytest.raises(ub.InputError, match="samples: found 0"):
         ub.TrialDataset(trials, samples=0)
+    with pytest.raises(ub.InputError, match="categories: found .* allowed: each name once"):
+        ub.TrialDataset(trials, ["leaf", "trunk", "leaf"])
+    with pytest.raises(ub.InputError, match="columns: found 'colour'"):
+        ub.FrameDataset(data, ["action", "colour"])
     frames = ub.FrameDataset(data, [TACTILE, "action"])
     assert len(frames) == len(data.column("time_s"))
     last = frames[-1]

@@ -14,7 +14,8 @@ from underbrush import distributed
 
 def test_parts_of_another_call_are_refused(tmp_path: Path) -> None:
     """Tests that a folder is taken as long as it holds no finished part, that the same call continues with as many
-    parts as before, and that another call is told in what it differs from the one whose parts are there."""
+    parts as before, that another call is told in what it differs from the one whose parts are there, and that numbers of parts or
+    campaigns that are not possible are refused before anything is run."""
     folder, model = tmp_path / "set.parts", tmp_path / "touch.json"
     model.write_text("a model")
 
@@ -41,6 +42,10 @@ def test_parts_of_another_call_are_refused(tmp_path: Path) -> None:
     model.write_text("another model")
     with pytest.raises(ub.InputError, match="another verdicts"):
         claim()
+    with pytest.raises(ub.InputError, match="parts: found -1; allowed: 1 or more"):
+        claim(parts=-1)
+    with pytest.raises(ub.InputError, match="campaigns: found 20000; allowed: 1 to 10000"):
+        distributed.reproduce(tmp_path / "study", campaigns=20_000)
     (folder / "call.json").unlink()
     with pytest.raises(ub.InputError, match="unknown call"):
         claim()

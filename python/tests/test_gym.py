@@ -37,14 +37,14 @@ def test_check_env(action: str) -> None:
 
 
 def test_vector_numbers_are_single_numbers() -> None:
-    """Tests that a vector environment gives the numbers of single environments with consecutive seeds, for one thread
-    and for two, and beyond the end of an episode."""
+    """Tests that a vector environment gives the numbers of single environments with consecutive seeds, which may be NumPy's, for one
+    thread and for two, and beyond the end of an episode."""
     options: dict[str, Any] = {"scene": SCENE, "time_limit_s": 0.6}
     steps = actions(40, 3)
     singles = [gymnasium.make("underbrush/Reach-v0", **options) for _ in range(3)]
     for jobs in (1, 2):
         many = gymnasium.make_vec("underbrush/Reach-v0", num_envs=3, jobs=jobs, **options)
-        observations, _ = many.reset(seed=11)
+        observations, _ = many.reset(seed=np.int64(11))
         ended = [False] * 3
         first = [env.reset(seed=11 + index)[0] for index, env in enumerate(singles)]
         for index in range(3):
@@ -93,6 +93,7 @@ def test_episodes_follow_the_seed() -> None:
     first = [env.reset(seed=3)[1], env.reset()[1], env.reset()[1]]
     assert [info["reach_index"] for info in first] == [0, 1, 2]
     assert env.reset(seed=3)[1] == first[0]
+    assert env.unwrapped.reset(seed=np.int64(3))[1] == first[0]  # type: ignore[arg-type]
     still = np.zeros(7, np.float32)
     results = [env.step(still) for _ in range(5)]
     assert [found[3] for found in results] == [False] * 4 + [True] and results[-1][4]["outcome"] == "timed_out"

@@ -154,7 +154,7 @@ def test_channels_become_columns(data: ub.Dataset, tmp_path: Path) -> None:
 
 
 def test_what_is_not_in_the_file_is_named(tmp_path: Path) -> None:
-    """Tests that missing datasets, other types and shapes, and files that are not HDF5 are errors that say so."""
+    """Tests that missing datasets, other types and shapes, columns of one name, and files that are not HDF5 are errors that say so."""
     path, out = tmp_path / "log.h5", tmp_path / "log.csv"
     with h5py.File(path, "w") as file:
         file["run/a/force"] = np.zeros((3, 2))
@@ -162,6 +162,7 @@ def test_what_is_not_in_the_file_is_named(tmp_path: Path) -> None:
         file["run/a/text"] = ["x"]
         file["run/a/cube"] = np.zeros((2, 2, 2))
         file["run/a/short"] = np.zeros(2)
+        file["run/a/heat"] = np.zeros(3)
     cases = [
         ({"forces": "run/*/skin"}, "run/\\*/skin: found no such dataset"),
         ({"forces": "run/a"}, "'run/a', which is no dataset"),
@@ -170,12 +171,15 @@ def test_what_is_not_in_the_file_is_named(tmp_path: Path) -> None:
         ({"forces": "run/*/force"}, "\\(3, 3\\) numbers in b; allowed: \\(3, 2\\)"),
         ({"forces": "run/a/force", "channels": {"heat": "run/a/short"}}, "run/a/short: found \\(2, 1\\)"),
         ({"forces": "run/a/force", "channels": {"time": "run/a/short"}}, "names other than reach, time"),
+        ({"forces": "run/a/force", "channels": {"force_1": "run/a/heat"}}, "two columns called force_1"),
         ({"forces": "run/a/force", "times": "run/a/short"}, "one time for each frame"),
         ({"forces": "run/a/force", "category": "label"}, "category: found 'label'"),
     ]
     for given, reason in cases:
         with pytest.raises(ub.InputError, match=reason):
             underbrush.hdf5.csv_of(path, out, **given)
+    twice = ["--channel", "heat=run/a/heat", "--channel", "heat=run/a/force"]
+    assert underbrush.hdf5.main(["csv", str(path), "--forces", "run/a/force", "--out", str(out), *twice]) == 2
     path.write_text("no HDF5")
     with pytest.raises(ub.InputError, match="a readable HDF5 file"):
         underbrush.hdf5.csv_of(path, out, "force")

@@ -3,6 +3,7 @@
 import json
 import pickle
 import shutil
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ import underbrush as ub
 from underbrush.sklearn import FixedWindow
 
 
+SUITES = Path(__file__).parents[2] / "suites"
 POSTS = """summary = "Posts in the way of the arm"
 [goals]
 count = 1
@@ -154,7 +156,7 @@ def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:
 
 def test_auxiliary_reaches_are_unknown_objects(data: ub.Dataset, tmp_path, command) -> None:
     """Tests that a model fitted with auxiliary reaches equals the command line's, but for the names of its sources, that
-    they are among its sources, and that auxiliary reaches without unknown objects are refused."""
+    they are among its sources, and that reaches that are fitted to are refused as auxiliary ones."""
     scene = tmp_path / "posts.toml"
     scene.write_text(POSTS)
     posts = ub.generate([scene], 8, tmp_path / "posts", seed=2, progress=False)
@@ -164,7 +166,7 @@ def test_auxiliary_reaches_are_unknown_objects(data: ub.Dataset, tmp_path, comma
     own, other = json.loads(model.to_json()), json.loads(file.read_text())
     assert own["unknown_objects"] == other["unknown_objects"] and own["unknown_objects"]["families"][0]["name"] == "post"
     assert "posts" in json.dumps(own["provenance"])
-    with pytest.raises(ub.InputError, match="no unknown objects"):
+    with pytest.raises(ub.InputError, match="reaches: found the same data twice"):
         ub.TouchModel.fit(list(data), auxiliary=list(data))
 
 
@@ -212,6 +214,8 @@ def test_limits_of_risk_choose_the_decision(data: ub.Dataset, tmp_path, command)
     assert model.decision != ub.TouchModel.fit(list(data)).decision
     with pytest.raises(ub.InputError, match="reaches or more"):
         ub.TouchModel.fit(list(data), limit_wrong=0.01)
+    with pytest.raises(ub.InputError, match="limit_wrong: found 1.5; allowed: a share above 0 and below 1"):
+        ub.TouchModel.fit(list(data), limit_wrong=1.5)
 
 
 def test_touch_models_are_evaluated_as_by_the_command_line(data: ub.Dataset, tmp_path, command) -> None:
@@ -237,9 +241,35 @@ def test_touch_models_are_evaluated_as_by_the_command_line(data: ub.Dataset, tmp
             ub.TouchModel.cross_validate(given, folds=folds)
 
 
+def test_no_reach_counts_twice(data: ub.Dataset, tmp_path: Path) -> None:
+    """Tests that a reach that is given twice, also as a copy of its data set or its file, is refused: it would be in training and test
+    at once."""
+    copied = shutil.copytree(data.path, tmp_path / "copied")
+    for name in ("once", "again"):
+        data[0].save(tmp_path / f"{name}.parquet")
+    files = [tmp_path / "once.parquet", tmp_path / "again.parquet"]
+    loaded = [ub.Reach.load(file) for file in files]
+    model = ub.TouchModel.load(SUITES / "touch.json")
+    for again in ([*data, data[0]], [data.path, copied], [*data, ub.Dataset(copied)[3]], files, loaded):
+        for call in (ub.TouchModel.fit, ub.TouchModel.cross_validate, model.evaluate):
+            with pytest.raises(ub.InputError, match="reaches: found the same data twice"):
+                call(again)
+
+
+def test_a_touch_model_of_the_same_reaches_is_warned_of(data: ub.Dataset) -> None:
+    """Tests that a touch model that judges the reaches that it was fitted to is warned of, but not one that judges other reaches of the
+    same data set."""
+    with pytest.warns(UserWarning, match="^reaches: the model was fitted to these data"):
+        ub.TouchModel.fit(data).evaluate(data)
+    with warnings.catch_warnings(record=True) as shown:
+        warnings.simplefilter("always")
+        ub.TouchModel.fit(data[1:]).evaluate(data[:1])
+    assert not any("these data" in str(own.message) for own in shown)
+
+
 def test_a_folder_of_recordings_stands_for_them(data: ub.Dataset, tmp_path: Path, command) -> None:
     """Tests that touch models and the replay page take a folder of recordings and paths as the command line does, and that
-    other objects are refused."""
+    other objects, and a patch without a model, are refused."""
     folder, touch, page = tmp_path / "felt", tmp_path / "touch.json", tmp_path / "page.html"
     folder.mkdir()
     for index, reach in enumerate(data):
@@ -253,6 +283,8 @@ def test_a_folder_of_recordings_stands_for_them(data: ub.Dataset, tmp_path: Path
     assert judged == command("evaluate", folder, "--classifier", "touch", "--folds", 3)
     command("replay", folder, "--out", page)
     assert ub.replay(folder).html == page.read_text()
+    with pytest.raises(ub.InputError, match="patch: found given without model"):
+        ub.replay(folder, patch="forearm")
     for wrong in (3, [3], [data]):
         with pytest.raises(ub.InputError, match="argument: reaches: found an object of type .*; allowed: a Dataset"):
             ub.TouchModel.fit(wrong)  # type: ignore[arg-type]

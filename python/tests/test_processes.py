@@ -59,10 +59,14 @@ def test_the_interpreter_runs_meanwhile(data: ub.Dataset, trials: ub.Trials) -> 
     assert min(meanwhile) > 2
 
 
-def test_ctrl_c_ends_fits(trials: ub.Trials) -> None:
-    """Tests that Ctrl-C ends a fit and a cross-validation after the iteration that is under way."""
+def test_ctrl_c_ends_calls(data: ub.Dataset, trials: ub.Trials) -> None:
+    """Tests that Ctrl-C ends a fit, a cross-validation and a replay page after the iteration or the reach that is under way."""
     endless = {"states": 10, "tolerance": 0.0, "iterations": 100_000}
-    for call in (lambda: ub.fit(trials, **endless), lambda: ub.evaluate(trials, ub.Options("hmm", **endless))):
+    for call in (
+        lambda: ub.fit(trials, **endless),
+        lambda: ub.evaluate(trials, ub.Options("hmm", **endless)),
+        lambda: ub.replay(data, [0] * 100_000),
+    ):
         threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
         with pytest.raises(KeyboardInterrupt):
             call()

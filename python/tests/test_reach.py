@@ -21,12 +21,13 @@ def same(first: ub.Reach, second: ub.Reach) -> bool:
 
 def test_the_shipped_controller_called_from_python_moves_the_same() -> None:
     """Tests that a reach with the shipped controller called through Python is the same, bit for bit, as with the controller
-    itself."""
-    scene = quick("mixed")
-    for name in ("cody-2013", "ijrr-foliage"):
+    itself, also in a scene with factors on its speed and its force limit."""
+    for name, factors in (("cody-2013", {}), ("ijrr-foliage", {"hand_speed_scale": 1.5, "force_limit_scale": 0.5})):
+        # The rules that end a reach come from the scene's controller, so both reaches name it in the scene.
+        own = quick("mixed").changed({"controller": name, "robot": factors})
 
-        def made(arm: ub.Arm, name: str = name) -> ub.ShippedController:
-            return ub.ShippedController(arm, name)
+        def made(arm: ub.Arm, name: str = name, scene: ub.Scene = own) -> ub.ShippedController:
+            return ub.ShippedController(arm, name, scene=scene)
 
         class Twin:
             def __init__(self, arm: ub.Arm) -> None:
@@ -38,8 +39,6 @@ def test_the_shipped_controller_called_from_python_moves_the_same() -> None:
                 assert given.contact_jacobian.shape == (len(given.contact_force_n), 3, 7)
                 return self.own(given)
 
-        # The rules that end a reach come from the scene's controller, so both reaches name it in the scene.
-        own = scene.changed({"controller": name})
         assert same(ub.reach(own, seed=3), ub.reach(own, seed=3, controller=Twin))
 
 

@@ -117,7 +117,7 @@ def test_arrays_in_a_list_are_trials() -> None:
 
 def test_scikit_learn_takes_part_in_evaluate(trials: ub.Trials) -> None:
     """Tests that a scikit-learn classifier in `evaluate` gives the verdicts that it gives by itself on the same
-    folds."""
+    folds, and that an empty window is refused."""
     window = ours.FixedWindow(LogisticRegression(max_iter=500), samples=20)
     found = ub.evaluate(trials, window, folds=2, group="position")
     names, fold = np.array(trials.categories), np.array([own["fold"] for own in found["predictions"]])
@@ -128,9 +128,11 @@ def test_scikit_learn_takes_part_in_evaluate(trials: ub.Trials) -> None:
         own = [p["verdict"] for p, inside in zip(found["predictions"], fold == part, strict=True) if inside]
         assert [verdict["category"] for verdict in own] == list(expected)
     assert 0 < found["accuracy"] <= 1 and found["majority_baseline"] > 0
+    with pytest.raises(ub.InputError, match="samples: found 0; allowed: 1 or more"):
+        ours.FixedWindow(LinearSVC(), samples=0).fit_trials(trials)
     fitted = window.fit_trials(trials)
     assert ub.evaluate(trials, fitted)["accuracy"] >= found["accuracy"] - 0.2
-    assert ub.evaluate(trials, ours.FixedWindow(LinearSVC()), train=trials)["accuracy"] > 0.5
+    assert ub.evaluate(trials[::2], ours.FixedWindow(LinearSVC()), train=trials[1::2])["accuracy"] > 0.5
 
 
 def test_folds_do_not_share_a_classifier(trials: ub.Trials) -> None:

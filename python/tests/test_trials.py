@@ -2,6 +2,7 @@
 
 import json
 import pickle
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -150,6 +151,21 @@ def test_options_are_those_of_the_command_line(trials: ub.Trials, tmp_path: Path
     assert model.classify(trials, decision="argmax") != verdicts or "uncertain" not in verdicts
     further = ub.fit(trials, start=model, iterations=3)
     assert not np.array_equal(further.scores(trials), model.scores(trials))
+
+
+def test_tests_on_training_data_are_noticed(trials: ub.Trials) -> None:
+    """Tests that a classifier is not fitted to the trials that it is tested on, and that a model of these trials is warned of, but not
+    one of other trials of the same data."""
+    with pytest.raises(ub.InputError, match="train: found the same data to fit on and to test on; .* than the argument trials"):
+        ub.evaluate(trials, ub.Options("naive-bayes"), train=trials)
+    model = ub.fit(trials[::2], "naive-bayes")
+    with pytest.warns(UserWarning, match="^trials: the model was fitted to these data"):
+        ub.evaluate(trials[::2], model)
+    with warnings.catch_warnings(record=True) as shown:
+        warnings.simplefilter("always")
+        ub.evaluate(trials[1::2], model)
+        ub.evaluate(trials[1::2], ub.Options("naive-bayes"), train=trials[::2])
+    assert not any("data" in str(own.message) for own in shown)
 
 
 def test_bad_options_are_refused(data: ub.Dataset, trials: ub.Trials) -> None:

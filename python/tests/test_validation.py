@@ -16,6 +16,8 @@ def test_checks_pass_and_can_fail() -> None:
     assert failed["verdict"] == "fail"
     with pytest.raises(ub.InputError, match=name):
         ub.validate(["no-such"])
+    with pytest.raises(ub.InputError, match="only: found none"):
+        ub.validate([])
     with pytest.raises(ub.InputError, match="zero or more"):
         ub.validate([name], tolerance_scale=-1.0)
 

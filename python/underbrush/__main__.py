@@ -7,9 +7,9 @@ import importlib
 import os
 import signal
 import sys
-import warnings
 from pathlib import Path
 
+from underbrush import _errors
 from underbrush._core import run_command_line
 
 # The formats of `underbrush export --to` and of films of `underbrush replay --video` that modules of this package write. Another
@@ -50,9 +50,8 @@ def main() -> int:
         module, arguments = found
         status: int = importlib.import_module(f"underbrush.{module}").main(arguments)
         return status
-    # Remarks of the libraries are lines, as those of the program.
-    warnings.showwarning = lambda message, *_: print(message, file=sys.stderr)
-    warnings.simplefilter("always")
+    # Warnings of the libraries are lines, as those of the program.
+    _errors.warn = lambda text: print(text, file=sys.stderr)
     # The command line handles Ctrl-C by itself. Python's handler would wait until it returns.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     return run_command_line(["underbrush", *sys.argv[1:]])

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from ._errors import refused
+from ._errors import InputError, refused
 
 
 def each(things: _core.Dataset | _core.Trials) -> Iterator[Any]:
@@ -58,7 +58,15 @@ def trials_of(frame: Any, min_samples: int) -> _core.Trials:
         else:
             found, allowed = type(frame).__name__, "a data frame of pandas or Polars"
             raise refused("frame", found, allowed, "use Trials.from_sequences for arrays")
-        return _core.Trials._of_frame(path, min_samples)
+        try:
+            return _core.Trials._of_frame(path, min_samples)
+        except InputError as error:
+            if error.field is None:
+                raise
+            # The first line is the header.
+            row = "" if error.line is None or error.line < 2 else f"row {error.line - 2}, "
+            found, allowed, remedy = (str(own) for own in (error.found, error.allowed, error.remedy))
+            raise refused(f"{row}{error.field}", found, allowed, remedy, "the data frame") from None
 
 
 class TrialDataset:
@@ -88,6 +96,8 @@ class TrialDataset:
         self.categories = list(categories) if categories is not None else known
         if categories is not None and not set(categories) & set(known):
             raise refused("categories", f"{self.categories}", f"names of categories of the trials: {known}", "give some of them")
+        if len(set(self.categories)) < len(self.categories):
+            raise refused("categories", f"{self.categories}", "each name once", "leave out the others")
         if samples is not None and samples < 1:
             raise refused("samples", f"{samples}", "1 or more", "give a larger number")
         numbers = {name: number for number, name in enumerate(self.categories)}
@@ -122,7 +132,10 @@ class FrameDataset:
 
     def __init__(self, dataset: _core.Dataset, columns: Sequence[str]) -> None:
         self.dataset = dataset
-        self.columns = list(columns)
+        self.columns = [columns] if isinstance(columns, str) else list(columns)
+        known = dataset.column_names
+        if unknown := [name for name in self.columns if name not in known]:
+            raise refused("columns", f"{unknown[0]!r}", ", ".join(known), "choose some of them")
         self._arrays: dict[str, NDArray[np.float32]] = {}
         self._length = sum(int(episode["frames"]) for episode in dataset.episodes)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 
 # What messages of the command line are called in Python, the longer ones first.
 _IN_PYTHON = [
@@ -11,10 +12,14 @@ _IN_PYTHON = [
     (r"`underbrush generate`", "`underbrush.generate`"),
     (r"`underbrush (schema[ a-z]*)`", r"the command `python -m underbrush \1`"),
     (r"\(--decision uncertain\)", "(such as decision=15.0)"),
+    (r"classify --decision argmax", 'classify with decision="argmax"'),
+    (r"classify --decision and --prior", "classify a decision"),
+    (r"(?<!\S)--false-positive-rate\b", "false_positive_rate"),
     (r"(?<!\S)--(bless|force|resume)\b", r"\1=True"),
     (r"(?<!\S)--shard\b", "shard=(I, N)"),
+    (r"\bTRIALS\b", "the argument trials"),
     (r"(?<!\S)--features (\w+)", r'features="\1"'),
-    (r"(?<!\S)--(controller|out|reaches|verdicts)\b", r"the argument \1"),
+    (r"(?<!\S)--(controller|out|reaches|train|verdicts)\b", r"the argument \1"),
 ]
 
 
@@ -64,10 +69,15 @@ class InputError(ValueError):
         return _in_python(str(self.args[0]))
 
 
-def refused(argument: str, found: str, allowed: str, remedy: str) -> InputError:
-    """The error about an argument."""
-    message = f"argument: {argument}: found {found}; allowed: {allowed}; remedy: {remedy}"
-    return InputError(message, "argument", None, argument, found, allowed, remedy)
+def warn(text: str) -> None:
+    """Shows a warning of the libraries at the line of the caller."""
+    warnings.warn(_in_python(text.removeprefix("warning: ")), stacklevel=2)
+
+
+def refused(field: str, found: str, allowed: str, remedy: str, file: str = "argument") -> InputError:
+    """The error about an argument, or about a field of something else."""
+    message = f"{file}: {field}: found {found}; allowed: {allowed}; remedy: {remedy}"
+    return InputError(message, file, None, field, found, allowed, remedy)
 
 
 class RunError(RuntimeError):

@@ -8,12 +8,13 @@ import json
 import os
 import signal
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import zip_longest
 from pathlib import Path
 
 from . import _core
-from ._errors import InputError
+from ._errors import InputError, refused
 
 
 @contextlib.contextmanager
@@ -102,4 +103,7 @@ def status(run: Callable[[], Mapping[str, int] | None], options: argparse.Namesp
 def column_names(sizes: Mapping[str, int]) -> list[str]:
     """The columns of a log in CSV: the forces of the taxels, and the numbers of each channel, which may be one."""
     alone = {name for name, size in sizes.items() if size == 1 and name != "force"}
-    return [name if name in alone else f"{name}_{index}" for name, size in sizes.items() for index in range(size)]
+    names = [name if name in alone else f"{name}_{index}" for name, size in sizes.items() for index in range(size)]
+    if repeated := sorted(name for name, count in Counter(names).items() if count > 1):
+        raise refused("channels", f"two columns called {repeated[0]}", "names that differ", "give the channel another name")
+    return names

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from sklearn.base import clone
 
 from . import _core
+from ._errors import refused
 
 
 class FixedWindow:
@@ -35,6 +36,8 @@ class FixedWindow:
         self.categories: list[str] = []
 
     def _rows(self, trials: _core.Trials) -> NDArray[np.float64]:
+        if self.samples < 1:
+            raise refused("samples", f"{self.samples}", "1 or more", "give a larger number")
         rows = []
         for sequence in trials.sequences(self.features):
             window = sequence[: self.samples]

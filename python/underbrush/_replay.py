@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from . import _core, _export
+from ._errors import refused
 
 
 class Page:
@@ -52,6 +53,8 @@ def replay(
     Page
         Shown inline by a notebook; ``save`` writes it to a file.
     """
+    if patch is not None and model is None:
+        raise refused("patch", "given without model", "only with it, because it is what the model judges", "leave it out")
     numbers = None if reaches is None else list(reaches)
     judged = None if model is None else Path(model)
     if isinstance(source, _core.Reach):

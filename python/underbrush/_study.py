@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from . import _core
+from ._errors import refused
 from ._progress import Bar, Progress
 
 PathLike = str | os.PathLike[str]
@@ -54,7 +55,11 @@ def check(
         If a file or an option is bad, if no file is given, if ``bless`` comes with a ``seed``, or if a bound cannot be
         computed or written.
     """
-    paths = [suites] if isinstance(suites, (str, os.PathLike)) else suites
+    paths = [suites] if isinstance(suites, (str, os.PathLike)) else list(suites)
+    if not paths:
+        raise refused("suites", "none", "one suite file or more", "name one")
+    if bless and seed is not None:
+        raise refused("bless", "True with a seed", "bounds from the seed of the file", "leave the seed out")
     with Bar("reaches").shown(progress) as shown:
         found: dict[str, Any] = _core.check(
             [Path(path) for path in paths],
@@ -114,6 +119,7 @@ def reproduce(
         If the experiment file or an option is bad, or if the folder holds the results of another run, or files that may
         not come from a run.
     """
+    check_campaigns(campaigns)
     with Bar("steps").shown(progress) as shown:
         found: dict[str, Any] = _core.reproduce(
             Path(out),
@@ -126,3 +132,9 @@ def reproduce(
             jobs=jobs,
         )
     return found
+
+
+def check_campaigns(campaigns: int) -> None:
+    """Refuses a number of campaigns that no experiment can have."""
+    if not 1 <= campaigns <= 10_000:
+        raise refused("campaigns", f"{campaigns}", "1 to 10000", "use 1")

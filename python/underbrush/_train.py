@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from . import _core
+from ._errors import refused
 
 
 def fit(
@@ -74,6 +75,22 @@ def fit(
         variance_floor=variance_floor,
         max_samples=max_samples,
     )
+    if start is not None:
+        _refuse_with_start(
+            "only the training options, because the start models keep the others",
+            classifier=None if classifier == "hmm" else classifier,
+            features=features,
+            recipe=recipe,
+            states=states,
+            topology=topology,
+            initial=initial,
+            max_samples=max_samples,
+        )
+        allowed = "only without start, because thresholds are chosen on models that are fitted from scratch"
+        _refuse_with_start(allowed, false_positive_rate=false_positive_rate)
+    if outlier_prior is not None and false_positive_rate is None:
+        allowed = "only with it, because it is for the thresholds"
+        raise refused("outlier_prior", "given without false_positive_rate", allowed, "leave it out")
     return _core.fit(
         trials,
         options,
@@ -82,3 +99,10 @@ def fit(
         outlier_prior=outlier_prior,
         jobs=jobs,
     )
+
+
+def _refuse_with_start(allowed: str, **given: object) -> None:
+    """Refuses the first option that is given although there are start models."""
+    for option, value in given.items():
+        if value is not None:
+            raise refused(option, "given with start", allowed, "leave it out")

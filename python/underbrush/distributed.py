@@ -23,8 +23,9 @@ from typing import Any, TypedDict, cast
 from . import _core
 from ._benchmark import Track, entry, lasting
 from ._benchmark import benchmark as _benchmark
-from ._errors import InputError
+from ._errors import InputError, refused
 from ._progress import Bar, Progress
+from ._study import check_campaigns
 from ._study import reproduce as _reproduce
 from ._types import ControllerLike, SceneLike
 
@@ -177,6 +178,7 @@ def reproduce(
     ImportError
         If Ray is not installed.
     """
+    check_campaigns(campaigns)
     ray = _ray()
     _connect(address)
     folder = Path(out).absolute()
@@ -286,6 +288,8 @@ def _call(*, controller: ControllerLike | None, **given: Any) -> dict[str, Any]:
 def _claim(folder: Path, call: dict[str, Any], parts: int | None, default: int) -> int:
     """Takes a folder for the parts of a call, unless it holds finished parts of another one. Returns the number of
     parts: the given one, or else that of the parts that are there, or else the default."""
+    if parts is not None and parts < 1:
+        raise refused("parts", f"{parts}", "1 or more", "leave it out")
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "call.json"
     if any(path.is_dir() and path.name.isdecimal() for path in folder.iterdir()):

@@ -17,6 +17,7 @@ reached, and ``aborted`` is subtracted if the stop force is exceeded.
 from __future__ import annotations
 
 import math
+import operator
 from typing import Any
 
 import gymnasium
@@ -107,6 +108,7 @@ class ReachEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self.render_mode = _render_mode(render_mode)
         self.metadata = _metadata(self.metadata, options)
         self._picture = _picture(width, height, camera)
+        _refuse_unused(options)
         self._environments = _core.Environments(scene, 1, **options)
         self._parts = _Parts(self._environments)
         self.observation_space, self.action_space = _spaces(self._environments)
@@ -114,7 +116,10 @@ class ReachEnv(gymnasium.Env[Any, NDArray[np.float32]]):
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode: reach 0 of the seed if one is given, otherwise the next reach. The first reset without a seed draws one."""
-        if seed is None and not self._begun:
+        if seed is not None:
+            # It may be one of NumPy's integers, which Gymnasium refuses.
+            seed = operator.index(seed)
+        elif not self._begun:
             seed = _drawn(self.np_random)
         super().reset(seed=seed)
         rows, found = self._environments.reset([seed])
@@ -154,6 +159,16 @@ def _picture(width: int, height: int, camera: _core.Camera | None) -> tuple[int,
     if not (64 <= width <= 1280 and 64 <= height <= 1280):
         raise refused("width and height", f"{width} x {height} pixels", "64 to 1280 pixels each", "choose such a size")
     return width, height, camera
+
+
+def _refuse_unused(options: dict[str, Any]) -> None:
+    """Refuses the size of an action of the other kind."""
+    action = options.get("action") or "equilibrium"
+    sizes = {"equilibrium": ("largest_waypoint_m", "waypoint"), "waypoint": ("largest_change_rad", "equilibrium")}
+    # Another kind is refused where the environments are made.
+    unused, other = sizes.get(action, ("", ""))
+    if options.get(unused) is not None:
+        raise refused(unused, f'given with action="{action}"', f'only for action="{other}"', "leave it out")
 
 
 def _drawn(generator: np.random.Generator) -> int:
@@ -210,6 +225,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArra
         self.metadata = _metadata(self.metadata, options)
         self._picture = _picture(width, height, camera)
         self.num_envs = num_envs
+        _refuse_unused(options)
         self._environments = _core.Environments(scene, num_envs, **options)
         self._begun = np.zeros(num_envs, bool)
         self._parts = _Parts(self._environments)
@@ -226,10 +242,10 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArra
         if seed is None:
             first = 0 if self._begun.all() else _drawn(self.np_random)
             seeds = [None if begun else first + index for index, begun in enumerate(self._begun)]
-        elif isinstance(seed, int):
-            seeds = [seed + index for index in range(self.num_envs)]
+        elif isinstance(seed, (int, np.integer)):
+            seeds = [int(seed) + index for index in range(self.num_envs)]
         else:
-            seeds = list(seed)
+            seeds = [None if own is None else operator.index(own) for own in seed]
         super().reset(seed=seeds[0] if seeds else None)
         mask = (options or {}).get("reset_mask")
         chosen = np.ones(self.num_envs, bool) if mask is None else np.asarray(mask, bool)

@@ -322,8 +322,8 @@ def main(arguments: list[str] | None = None) -> int:
             export(_export.reaches_in(options.data, options.out)[1], options.out, force=options.force)
         else:
             channels = dict(text.partition("=")[::2] for text in options.channel)
-            if not all(name and own for name, own in channels.items()):
-                raise _fault("--channel", "text", repr(options.channel), "NAME=DATASET")
+            if len(channels) < len(options.channel) or not all(name and own for name, own in channels.items()):
+                raise _fault("--channel", "text", repr(options.channel), "NAME=DATASET, each NAME once")
             given = {"times": options.times, "category": options.category, "channels": channels, "force": options.force}
             csv_of(options.log, options.out, options.forces, **given)
 

@@ -600,8 +600,8 @@ def main(arguments: list[str] | None = None) -> int:
             for text in options.channel:
                 name, _, where = text.partition("=")
                 topic, _, field = where.rpartition(":")
-                if not (name and topic and field):
-                    raise _fault("--channel", "text", repr(text), "NAME=TOPIC:FIELD")
+                if not (name and topic and field) or name in channels:
+                    raise _fault("--channel", "text", repr(text), "NAME=TOPIC:FIELD, each NAME once")
                 channels[name] = (topic, field)
             csv_of(options.log, options.out, options.topic, options.field, channels=channels, force=options.force)
             return

@@ -7,7 +7,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use miniz_oxide::deflate::compress_to_vec_zlib;
 use miniz_oxide::inflate::decompress_to_vec_zlib;
-use underbrush_recording::Fault;
+use underbrush_recording::{Fault, stop};
 
 use crate::{Source, Summary};
 
@@ -63,6 +63,7 @@ pub fn page_that_fits(source: &Source, numbers: &[usize], max_bytes: usize) -> R
     let mut data = String::new();
     let mut listed = Vec::new();
     for (place, number) in numbers.iter().enumerate() {
+        stop::check();
         // Level 9 would save less than one percent more.
         let bytes = compress_to_vec_zlib(&source.pack(*number)?, 6);
         // Base64 turns three bytes into four.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use underbrush_recording::disk::{Dataset, Episode, is_folder, is_recording, read_recording, read_trials};
-use underbrush_recording::{Fault, GoalOutcomes, Outcome, Recording, SkinLayout, period_s};
+use underbrush_recording::{Fault, GoalOutcomes, Outcome, Recording, SkinLayout, period_s, stop};
 
 use crate::judging::unjudged;
 use crate::pack::pack;
@@ -99,6 +99,7 @@ impl Source {
     pub fn open(paths: &[PathBuf], known: ReplayContext, judging: Option<Judging>) -> Result<Self, Fault> {
         let mut source = Source::new(known, judging);
         for path in paths {
+            stop::check();
             let ends_with = |ending: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
             if is_folder(path)? {
                 source.add_dataset(path)?;

@@ -15,7 +15,7 @@ use underbrush_classifier::registry::CLASSIFIERS;
 use underbrush_classifier::{ClassifierKind, DataSource, Decision, FeatureSet, Model, Provenance, Rule, Scores};
 use underbrush_experiments::model_data;
 use underbrush_recording::disk::with_recordings;
-use underbrush_recording::{Category, InputError, Trial};
+use underbrush_recording::{Category, Trial};
 use underbrush_report::drawing::Rows;
 
 use super::touch::{self, Judge, RiskArguments, TouchDecisionArguments};
@@ -130,13 +130,13 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     };
     if let Some(train) = &options.train {
         let read = input::some_trials(train, &options.cut)?;
-        options.check_data(None, &tested.data, &read.data)?;
+        options.check(None, &tested.data, &read.data)?;
         let fitted = options.estimator.estimator()?.fit(&read.trials.iter().collect::<Vec<_>>());
         let fitted = Model::new(fitted.map_err(|error| input::about_trials(train, error))?);
         fitted.warn_of_little_data();
         model = Some(fitted);
     } else {
-        options.check_data(model.as_ref().map(|own| &own.provenance), &tested.data, &[])?;
+        options.check(model.as_ref().map(|own| &own.provenance), &tested.data, &[])?;
     }
     let evaluation = match &model {
         Some(model) => evaluate(model.classifier.as_ref(), trials, &decision),
@@ -209,40 +209,11 @@ fn compare(
 }
 
 impl EvaluateOptions {
-    /// Refuses to test on data that --train fits to, under whatever name and in whatever copy: the accuracy would be that on
-    /// training data. Warns of a --model that was fitted to them, and of data of several rates.
-    fn check_data(
-        &self,
-        model: Option<&Provenance>,
-        tested: &[DataSource],
-        fitted: &[DataSource],
-    ) -> Result<(), Failure> {
+    /// Checks the data before anything is fitted or judged.
+    fn check(&self, model: Option<&Provenance>, tested: &[DataSource], fitted: &[DataSource]) -> Result<(), Failure> {
         let given: Vec<String> = self.trials.iter().map(|path| path.display().to_string()).collect();
-        let given = given.join(", ");
-        let of = |data: &[DataSource]| Provenance { data: data.to_vec(), ..Provenance::default() };
-        let is_tested = |own: &DataSource| tested.iter().any(|other| other.blake3 == own.blake3);
-        match (model, &self.train) {
-            (Some(model), _) => {
-                if model.data.iter().any(is_tested) {
-                    let found = "the model was fitted to these data, so its accuracy on them is too high";
-                    output::remark(format!("warning: {given}: {found}; evaluate it on other data"));
-                }
-                model.warn_of_rates(given, tested);
-            }
-            (None, Some(train)) => {
-                if fitted.iter().any(is_tested) {
-                    let found = "the same data to fit on and to test on";
-                    let allowed =
-                        "other data than TRIALS, because the accuracy on data that were fitted to is too high";
-                    let remedy = "give other data, or leave out --train to cross-validate";
-                    return Err(InputError::new(train, "--train", found, allowed, remedy).into());
-                }
-                of(fitted).warn_of_several_rates();
-                of(fitted).warn_of_rates(given, tested);
-            }
-            (None, None) => of(tested).warn_of_several_rates(),
-        }
-        Ok(())
+        let train = self.train.as_deref().map(|path| (path, "--train", fitted));
+        Ok(model_data::check_tested((&given.join(", "), tested), model, train)?)
     }
 
     /// Judges whole frames by the classifier touch.
@@ -263,7 +234,7 @@ impl EvaluateOptions {
             Reaches::open(&self.trials)?;
         }
         let model = if let Judge::Model(model) = &judge { Some(&model.provenance) } else { None };
-        self.check_data(model, &sources(&self.trials)?, &sources(self.train.as_slice())?)?;
+        self.check(model, &sources(&self.trials)?, &sources(self.train.as_slice())?)?;
         touch::evaluate(&self.trials, judge, self.risk.limit_wrong, &self.touch, json)
     }
 

@@ -169,11 +169,7 @@ fn continued(options: &TrainOptions, start: &Path, path: &Path, read: &TrialInpu
     let (file, start) = (start.display(), any_model::load_of_trials(start)?);
     let text = "--start continues the training of hidden Markov models only; give such a model, or leave it out";
     let models = start.hmm().map_err(|_| Failure::usage(text))?;
-    start.provenance.warn_of_rates(path.display(), &read.data);
-    if start.decision.is_some() {
-        let remedy = "because scores change in training; give classify --decision and --prior";
-        output::remark(format!("warning: {file}: its priors and thresholds are not kept, {remedy}"));
-    }
+    start.warn_of_further_training(file, path.display(), &read.data);
     let trained = HmmClassifier::train_from(models, &read.trials, &options.estimator.training()?);
     Ok(Model::new(Box::new(trained.map_err(|error| input::about_trials(path, error))?)))
 }
@@ -209,27 +205,8 @@ fn thresholds(
         ThresholdError::BadTarget { .. } => error.into(),
         _ => Failure::from(error).about(path),
     })?;
-    warn(chosen.uncertain, "the held-out trials");
-    for (category, _) in chosen.true_positive_rate.iter().filter(|(_, rate)| **rate == 0.0) {
-        output::remark(format!("warning: with these thresholds no held-out {category} is called {category}; {REMEDY}"));
-    }
-    if let Some(rates) = &chosen.sample_by_sample {
-        warn(rates.uncertain, "the verdicts given sample by sample while held-out contacts last");
-    }
+    chosen.warn_of_little_use();
     Ok(Some(chosen))
-}
-
-const REMEDY: &str = "allow a higher --false-positive-rate, or use classify --decision argmax";
-
-/// Choice: thresholds that leave more than this fraction uncertain are useless.
-const NEARLY_ALL: f64 = 0.9;
-
-/// Prints what a user should know before relying on thresholds that leave this fraction uncertain.
-fn warn(uncertain: f64, of_what: &str) {
-    if uncertain > NEARLY_ALL {
-        let found = format!("with these thresholds {:.1} % of {of_what} are uncertain", 100.0 * uncertain);
-        output::remark(format!("warning: {found}; {REMEDY}"));
-    }
 }
 
 fn thresholds_text(chosen: &ChosenThresholds) -> String {

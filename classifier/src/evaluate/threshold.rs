@@ -81,6 +81,29 @@ pub struct ChosenThresholds {
     pub sample_by_sample: Option<Rates>,
 }
 
+impl ChosenThresholds {
+    /// Warns of what a user should know before relying on the thresholds: that they leave nearly all uncertain, or never name a
+    /// category.
+    pub fn warn_of_little_use(&self) {
+        // Choice: thresholds that leave more than this fraction uncertain are useless.
+        const NEARLY_ALL: f64 = 0.9;
+        const REMEDY: &str = "allow a higher --false-positive-rate, or use classify --decision argmax";
+        let warn = |uncertain: f64, of_what: &str| {
+            if uncertain > NEARLY_ALL {
+                let share = 100.0 * uncertain;
+                log::warn!("warning: with these thresholds {share:.1} % of {of_what} are uncertain; {REMEDY}");
+            }
+        };
+        warn(self.uncertain, "the held-out trials");
+        for (category, _) in self.true_positive_rate.iter().filter(|(_, rate)| **rate == 0.0) {
+            log::warn!("warning: with these thresholds no held-out {category} is called {category}; {REMEDY}");
+        }
+        if let Some(rates) = &self.sample_by_sample {
+            warn(rates.uncertain, "the verdicts given sample by sample while held-out contacts last");
+        }
+    }
+}
+
 /// Why thresholds cannot be chosen.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ThresholdError {

@@ -5,6 +5,7 @@
 //! skipped, so users can add their own.
 
 use std::any::Any;
+use std::fmt::Display;
 use std::path::Path;
 
 use schemars::generate::SchemaSettings;
@@ -17,7 +18,7 @@ use crate::decision::{Decision, PRIOR, Rule};
 use crate::document::{Document, FORMAT};
 use crate::error::{Fault, ModelError, check_limits};
 use crate::hmm_classifier::{self, HmmClassifier};
-use crate::provenance::Provenance;
+use crate::provenance::{DataSource, Provenance};
 use crate::registry::{self, CLASSIFIERS};
 use crate::{Classifier, ClassifierKind, ScoreKind, seal};
 
@@ -131,6 +132,15 @@ impl Model {
             return Ok(text);
         }
         Err(ModelError::unwritable())
+    }
+
+    /// Warns of what is lost or doubtful if these models, read from `name`, are trained further with these data, called `subject`.
+    pub fn warn_of_further_training(&self, name: impl Display, subject: impl Display, data: &[DataSource]) {
+        self.provenance.warn_of_rates(subject, data);
+        if self.decision.is_some() {
+            let remedy = "because scores change in training; give classify --decision and --prior";
+            log::warn!("warning: {name}: its priors and thresholds are not kept, {remedy}");
+        }
     }
 
     /// Warns of a fit that cannot tell anything apart, or that has more parameters than data.

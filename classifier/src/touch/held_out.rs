@@ -113,7 +113,7 @@ pub(super) fn lapses(regions: &[&Judged], sharpness: f64) -> Vec<Lapse> {
 /// [`ModelError::BadOption`] for a share that is not between 0 and 1, and [`ModelError::FewReaches`] for too few reaches.
 pub(super) fn check_share(share: f64, reaches: usize) -> Result<(), ModelError> {
     if !(share > 0.0 && share < 1.0) {
-        return Err(Fault::new("risk limit wrong", share.to_string(), "a share above 0 and below 1").into());
+        return Err(Fault::new("limit_wrong", share.to_string(), "a share above 0 and below 1").into());
     }
     let needed = (1.0 / share - 1.0).ceil() as usize;
     if reaches < needed {

@@ -66,6 +66,19 @@ impl fmt::Debug for PlannedController {
 }
 
 impl PlannedController {
+    /// The parameters of a controller that ships, with the scale factors and the ground of a scene.
+    pub fn preset_in(scene: &Scene, kind: ControllerKind) -> Preset {
+        let (own, robot) = (kind.preset(), scene.file.robot);
+        Preset {
+            end_effector_step_m: own.end_effector_step_m * robot.hand_speed_scale,
+            // Otherwise it would limit the speed.
+            equilibrium_step_rad: own.equilibrium_step_rad.map(|step| step * robot.hand_speed_scale),
+            force_limit_n: own.force_limit_n * robot.force_limit_scale,
+            floor_height_m: scene.floor_height_m(),
+            ..own
+        }
+    }
+
     /// The parameters of a controller that ships.
     pub fn preset(&self) -> Option<&Preset> {
         self.shipped.as_ref().map(|(_, preset)| preset)
@@ -102,16 +115,7 @@ impl ReachPlan {
         scene.sensor_fault(scene.file.sensor.fault_on(&arm.skin.layout))?;
         scene.check_links_of_cameras(&arm)?;
         let kind = controller.unwrap_or(scene.file.controller);
-        let robot = scene.file.robot;
-        let own = kind.preset();
-        let preset = Preset {
-            end_effector_step_m: own.end_effector_step_m * robot.hand_speed_scale,
-            // Otherwise it would limit the speed.
-            equilibrium_step_rad: own.equilibrium_step_rad.map(|step| step * robot.hand_speed_scale),
-            force_limit_n: own.force_limit_n * robot.force_limit_scale,
-            floor_height_m: scene.floor_height_m(),
-            ..own
-        };
+        let preset = PlannedController::preset_in(&scene, kind);
         let mut rules = ReachRules::published_with(kind);
         rules.progress = scene.file.goals.progress.unwrap_or(rules.progress);
         rules = scene.file.goals.patience_s.map_or(rules, |patience_s| rules.watched_for(patience_s));
