@@ -118,7 +118,7 @@ commands! {
     Import(import::ImportOptions),
     /// Fit stiffness, hardening and loss of a skin to a press test
     FitSkin(fit_skin::FitSkinOptions),
-    /// Print the JSON Schema of scene, arm, skin, experiment, suite or model files, for use in an editor
+    /// Print the JSON Schema of scene, arm, skin, experiment, suite, mapping or model files, for use in an editor
     Schema(schema::SchemaOptions),
     /// Print a shell's completion script, or write manual pages
     Completions(completions::CompletionsOptions),

@@ -184,9 +184,7 @@ impl Recording {
     /// The number of goals with each outcome.
     pub fn goal_outcomes(&self) -> GoalOutcomes {
         let mut counts = GoalOutcomes::default();
-        for goal in &self.goals {
-            counts.count(goal.outcome);
-        }
+        self.goals.iter().for_each(|goal| counts.count(goal.outcome));
         counts
     }
 

@@ -38,13 +38,16 @@ fn key_at(text: &str, offset: usize) -> String {
 fn in_words(message: &str) -> (&str, Option<&str>) {
     let is_value =
         |found: &str| ["invalid type", "invalid value", "an array", "a table"].iter().any(|own| found.starts_with(own));
-    match message.split_once(", expected ").filter(|(found, _)| is_value(found)) {
+    let parts = message.split_once(", expected ").filter(|(found, _)| is_value(found));
+    match parts.map(|(found, expected)| (found.trim_end_matches(" as i128"), expected)) {
         None => (message, None),
         Some((found, "u8")) => (found, Some("a whole number from 0 to 255")),
         Some((found, "u16")) => (found, Some("a whole number from 0 to 65535")),
-        Some((found, "u32" | "u64" | "usize")) => (found, Some("a whole number, 0 or more")),
+        Some((found, "u32")) => (found, Some("a whole number from 0 to 4294967295")),
+        Some((found, "u64" | "usize")) => (found, Some("a whole number from 0 to 18446744073709551615")),
         Some((found, "i32" | "i64")) => (found, Some("a whole number")),
         Some((found, "f32" | "f64")) => (found, Some("a number")),
+        Some((found, expected)) if expected.starts_with("struct ") => (found, Some(TABLE)),
         Some((found, expected)) => (found, Some(expected)),
     }
 }
@@ -59,26 +62,27 @@ where
     T: DeserializeOwned + JsonSchema,
 {
     let parsed = toml::from_str(text).map_err(|error| {
-        let start = error.span().unwrap_or_default().start;
-        toml_fault(path, text, kind, (error.message(), start), allowed)
+        // What the whole file lacks is at no place.
+        let place = error.span().filter(|span| span.end > 0).map(|span| span.start);
+        toml_fault(path, text, kind, (error.message(), place), allowed)
     })?;
     let schema = SchemaGenerator::default().into_root_schema_for::<T>();
     match misfit(schema.as_value(), text) {
-        Some((place, message)) => Err(toml_fault(path, text, kind, (&message, place), allowed)),
+        Some((place, message)) => Err(toml_fault(path, text, kind, (&message, Some(place)), allowed)),
         None => Ok(parsed),
     }
 }
 
-/// An error about the text of a file, from the message of the parser and the byte at which it stopped.
-fn toml_fault(path: &Path, text: &str, kind: &str, (message, offset): (&str, usize), allowed: &str) -> InputError {
-    let key = key_at(text, offset);
-    let field = if key.is_empty() { kind.to_owned() } else { format!("{kind}, {key}") };
+/// An error about the text of a file, from the message of the parser and the byte at which it stopped, if it is about one.
+fn toml_fault(path: &Path, text: &str, kind: &str, (message, at): (&str, Option<usize>), allowed: &str) -> InputError {
+    let key = at.map(|place| key_at(text, place)).filter(|key| !key.is_empty());
+    let field = key.map_or(kind.to_owned(), |key| format!("{kind}, {key}"));
     let (found, expected) = in_words(message);
     let (allowed, remedy) = match message {
         "duplicate key" => ("each key once", "remove one of the two"),
-        _ => (expected.unwrap_or(allowed), "correct this line"),
+        _ => (expected.unwrap_or(allowed), if at.is_some() { "correct this line" } else { "correct the file" }),
     };
-    InputError::new(path, field, found, allowed, remedy).at_line(line_at(text, offset))
+    InputError::new(path, field, found, allowed, remedy).at_line(at.map(|place| line_at(text, place)))
 }
 
 /// The first place at which a file's text has another shape than this schema, as the byte there and a message. The text was
@@ -191,8 +195,14 @@ mod tests {
     /// Tests that no error names a number type of Rust, and that other messages stay as they are.
     #[test]
     fn types_are_named_in_words() {
-        let found = in_words("invalid value: integer `-3`, expected u32");
-        assert_eq!(found, ("invalid value: integer `-3`", Some("a whole number, 0 or more")));
+        for (message, found, allowed) in [
+            ("integer `-3`, expected u32", "integer `-3`", "a whole number from 0 to 4294967295"),
+            ("integer `99` as i128, expected u8", "integer `99`", "a whole number from 0 to 255"),
+            ("integer `3`, expected struct GoalsTable", "integer `3`", "a table"),
+        ] {
+            let [message, found] = [message, found].map(|text| format!("invalid type: {text}"));
+            assert_eq!(in_words(&message), (found.as_str(), Some(allowed)));
+        }
         for message in [
             "unknown field `heigth_m`, expected one of `height_m`",
             "missing field `count`",

@@ -2,6 +2,7 @@
 //! fused and every sum has a fixed order.
 
 use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 use fearless_simd::{Level, Simd};
 
@@ -18,10 +19,10 @@ thread_local! {
 /// assert_eq!(with_baseline(sum), sum());
 /// ```
 pub fn with_baseline<R>(work: impl FnOnce() -> R) -> R {
-    BASELINE_ONLY.set(true);
-    let result = work();
-    BASELINE_ONLY.set(false);
-    result
+    let before = BASELINE_ONLY.replace(true);
+    let result = catch_unwind(AssertUnwindSafe(work));
+    BASELINE_ONLY.set(before);
+    result.unwrap_or_else(|panic| resume_unwind(panic))
 }
 
 /// The instructions that may be used.
@@ -38,4 +39,19 @@ pub fn vectorized<R>(work: impl FnOnce() -> R) -> R {
         return Simd::vectorize(avx2, work);
     }
     work()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tests that the instructions are the usual ones again after work that panicked, and still few after such work within other work.
+    #[test]
+    fn a_panic_does_not_keep_the_instructions_few() {
+        with_baseline(|| {
+            assert!(catch_unwind(|| with_baseline(|| assert!(!BASELINE_ONLY.get()))).is_err());
+            assert!(BASELINE_ONLY.get());
+        });
+        assert!(!BASELINE_ONLY.get());
+    }
 }

@@ -7,7 +7,7 @@ use serde_json::json;
 use underbrush_classifier::frequencies;
 use underbrush_exchange::import::{Mapping, import};
 use underbrush_recording::Recording;
-use underbrush_recording::disk::{UnfinishedFolder, check_free, write_recording, write_trials};
+use underbrush_recording::disk::{DiskError, UnfinishedFolder, check_free, write_recording, write_trials};
 
 use crate::{Failure, Overwrite, output};
 
@@ -84,7 +84,9 @@ fn require_recordings(folder: &Path) -> Result<(), Failure> {
 
 /// Writes a folder of recordings. It gets its name only when all of them are written.
 fn write_recordings(folder: &Path, recordings: &[Recording]) -> Result<(), Failure> {
-    let failed = |error: std::io::Error| Failure::usage(format!("{}: cannot be written: {error}", folder.display()));
+    // The folder itself, if the path is a link or leads through it, as `..` does within it.
+    let folder = &std::fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf());
+    let failed = |source: std::io::Error| DiskError::Io { path: folder.clone(), action: "write", source };
     let beside = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let temporary = UnfinishedFolder::within(beside).map_err(failed)?;
     // The temporary folder is for its owner alone, but not what is in it.
@@ -93,8 +95,9 @@ fn write_recordings(folder: &Path, recordings: &[Recording]) -> Result<(), Failu
     for recording in recordings {
         write_recording(&written.join(format!("reach-{:06}.parquet", recording.reach_index)), recording)?;
     }
-    if folder.exists() {
-        std::fs::remove_dir_all(folder).map_err(failed)?;
+    if folder.is_dir() {
+        // It is removed with the temporary folder, so that none is left that has lost some of its recordings.
+        std::fs::rename(folder, temporary.path().join("before")).map_err(failed)?;
     }
-    std::fs::rename(&written, folder).map_err(failed)
+    Ok(std::fs::rename(&written, folder).map_err(failed)?)
 }

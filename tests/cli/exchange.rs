@@ -1,12 +1,13 @@
 //! `underbrush export` and `underbrush import`.
 
 use std::path::Path;
+use std::process::Command;
 
 use underbrush_recording::Trial;
 use underbrush_recording::disk::read_trials;
 
 use crate::support::fixture::fixture;
-use crate::support::{call, underbrush};
+use crate::support::{call, tree, underbrush};
 
 /// What an import can know about a trial: reach, taxel, and the time (µs) and force (N) of every sample. Times that are
 /// computed from the rate may differ by rounding, so they are rounded to whole microseconds.
@@ -155,7 +156,11 @@ fn touch_learns_from_a_labelled_log() {
     underbrush!["import", file, "--mapping", map, "--out", felt].success();
     underbrush!["import", file, "--mapping", map, "--out", felt].refused(&["felt", "--force"]);
     underbrush!["import", file, "--mapping", map, "--out", taxels, "--force"].refused(&["an input of this command"]);
-    underbrush!["import", file, "--mapping", map, "--out", felt, "--force"].success();
+    let before = tree(&felt);
+    let mut within = Command::new(env!("CARGO_BIN_EXE_underbrush"));
+    within.arg("import").arg(&file).arg("--mapping").arg(&map).args(["--out", "../felt", "--force"]);
+    assert!(within.current_dir(&felt).output().unwrap().status.success(), "from within the folder");
+    assert!(tree(&felt) == before);
     underbrush!["import", file, "--mapping", map, "--out", folder.path(), "--force"]
         .refused(&["holds", "another name"]);
     let recordings = || (0..24).map(|run| felt.join(format!("reach-{run:06}.parquet")).into());

@@ -291,11 +291,10 @@ impl Mapping {
             }
         }
         let span = |own: &Label| format!("{} to {}", short(own.from_s), short(own.to_s));
-        let is_empty = |own: &Label| own.from_s.partial_cmp(&own.to_s) != Some(Ordering::Less);
-        if let Some(number) = labels.iter().position(is_empty) {
-            return Err(self.fault(&format!("label[{number}].to_s"), span(&labels[number]), "a time after from_s"));
-        }
         for (number, own) in labels.iter().enumerate() {
+            if own.from_s.partial_cmp(&own.to_s) != Some(Ordering::Less) {
+                return Err(self.fault(&format!("label[{number}].to_s"), span(own), "a time after from_s"));
+            }
             let overlaps =
                 |other: &&Label| other.reach == own.reach && other.from_s < own.to_s && own.from_s < other.to_s;
             if let Some(other) = labels[..number].iter().find(overlaps) {

@@ -18,8 +18,10 @@ const AROUND: f64 = 0.25;
 const AROUND_GIVEN: f64 = 0.01;
 /// Fewer frames tell less about the rate than one that is given.
 const FEW: usize = 50;
-/// More frames of a given rate leave at least so much of a frame without times. Choice: frames of another rate seldom do.
+/// More frames of the right rate leave at least so much of a frame without times. Choice: frames of another rate seldom do.
 const CLEAR: f64 = 0.15;
+/// How far the last frame moves, in frames, from one step that is tried to the next.
+const CLOSE: f64 = 0.1;
 /// A frame this far from its place, in frames, is not of the rate: a half, and what the rate found may be off.
 const FAR: f64 = 0.6;
 
@@ -41,21 +43,24 @@ fn fit(times_s: &[f64], step_s: f64) -> (f64, f64) {
     (math::hypot(sine, cosine) / times_s.len() as f64, math::atan2(sine, cosine) / TAU)
 }
 
+/// The step that scores best, of those within a share around a first guess that are so close to each other, as a share, too.
+fn nearest(step_s: f64, around: f64, closeness: f64, score: impl Fn(f64) -> f64) -> f64 {
+    let most = (around / closeness).ceil().min(2.0 * FIRST as f64) as i32;
+    let steps_s = (-most..=most).map(|number| step_s * (1.0 + f64::from(number) * closeness));
+    let best = steps_s.map(|own_s| (score(own_s), own_s)).max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map_or(step_s, |(_, own_s)| own_s)
+}
+
 /// The step that fits best, within a share around a first guess. The more frames are looked at, the closer is what remains possible.
 fn best_step_s(times_s: &[f64], mut step_s: f64, mut around: f64) -> f64 {
     let mut count = FIRST;
     loop {
         let seen = &times_s[..count.min(times_s.len())];
         let closeness = 0.5 * step_s / (seen[seen.len() - 1] - seen[0]);
-        let nearest = |step_s: f64, around: f64, closeness: f64| {
-            let most = (around / closeness).ceil().min(2.0 * FIRST as f64) as i32;
-            let steps_s = (-most..=most).map(|number| step_s * (1.0 + f64::from(number) * closeness));
-            let best = steps_s.map(|own_s| (fit(seen, own_s).0, own_s)).max_by(|a, b| a.0.total_cmp(&b.0));
-            best.map_or(step_s, |(_, own_s)| own_s)
-        };
-        step_s = nearest(step_s, around, closeness);
+        let score = |own_s: f64| fit(seen, own_s).0;
+        step_s = nearest(step_s, around, closeness, score);
         if seen.len() == times_s.len() {
-            return nearest(step_s, closeness, closeness / 8.0);
+            return nearest(step_s, closeness, closeness / 8.0, score);
         }
         (count, around) = (2 * count, closeness);
     }
@@ -100,9 +105,17 @@ impl TimeGrid {
             return Err((found, format!("no pause of more than {LONGEST_PAUSE_S} s"), before + 1));
         }
         let given = rate_hz.map(|_| phase(times_s, median_s));
-        let certain = given.filter(|(_, wide)| times_s.len() < FEW || *wide > CLEAR);
+        let mut certain = given.filter(|(_, wide)| times_s.len() < FEW || *wide > CLEAR);
         let around = if rate_hz.is_some() { AROUND_GIVEN } else { AROUND };
         let mut step_s = if certain.is_some() { median_s } else { best_step_s(times_s, median_s, around) };
+        let wide = |own_s: f64| phase(times_s, own_s).1;
+        if rate_hz.is_none() && times_s.len() <= FIRST && wide(step_s) <= CLEAR {
+            // Many steps fit few frames whose times jitter much, but only one leaves much of a frame without times.
+            let closeness = CLOSE * median_s / (times_s[times_s.len() - 1] - times_s[0]);
+            let clear_s = nearest(median_s, AROUND, closeness, wide);
+            certain = Some(phase(times_s, clear_s)).filter(|(_, wide)| *wide > CLEAR);
+            step_s = certain.map_or(step_s, |_| clear_s);
+        }
         // Two frames before the first one leave room for what is moved.
         let begin = certain.map_or_else(|| fit(times_s, step_s).1, |(phase, _)| phase);
         let mut start_s = times_s[0] + (begin - 2.0) * step_s;

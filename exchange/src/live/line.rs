@@ -103,11 +103,10 @@ impl LineParser {
             let sensed_force_n = number(&force, SENSED_FORCE_N)?;
             readings.push((TaxelReading { patch, taxel, sensed_force_n, ..TaxelReading::default() }, taxel_spot));
         }
-        readings.sort_by_key(|(reading, _)| (reading.patch, reading.taxel));
-        let place = |reading: &TaxelReading| (reading.patch, reading.taxel);
-        if let Some(pair) = readings.windows(2).find(|pair| place(&pair[0].0) == place(&pair[1].0)) {
-            let twice = &pair[1].1;
-            return Err(twice.error(format!("each taxel once; {} names it, too", pair[0].1.path)));
+        let place = |(reading, _): &(TaxelReading, Spot<'_>)| (reading.patch, reading.taxel);
+        readings.sort_by_key(place);
+        if let Some([first, twice]) = readings.array_windows().find(|[first, second]| place(first) == place(second)) {
+            return Err(twice.1.error(format!("each taxel once; {} names it, too", first.1.path)));
         }
         Ok(readings.into_iter().map(|(reading, _)| reading).collect())
     }

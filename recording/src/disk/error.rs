@@ -47,7 +47,7 @@ pub enum DiskError {
         allowed: String,
     },
     /// The folder for a new data set already holds other files.
-    #[error("{}: is not empty and holds no data set; choose an empty or a new folder", .0.display())]
+    #[error("{}: is not empty and holds no data set of underbrush; choose an empty or a new folder", .0.display())]
     FolderNotEmpty(PathBuf),
     /// The folder for a new data set already holds a finished one.
     #[error("{}: holds a finished data set; choose another folder, or overwrite it with --force", .0.display())]

@@ -221,10 +221,13 @@ pub(super) fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<()> {
     write_bytes(path, &json_bytes(path, value)?)
 }
 
-/// Creates a folder with all its parents and syncs its parent.
+/// Creates a folder with all its parents, and makes each new one survive a power failure.
 pub(super) fn create_folder(folder: &Path) -> Result<()> {
-    if !is_there(folder)? {
-        fs::create_dir_all(folder).map_err(DiskError::io(folder, "create"))?;
+    let parent = folder_of(folder);
+    if !is_there(parent)? {
+        create_folder(parent)?;
     }
-    sync_folder(folder_of(folder))
+    // Does nothing if it is there.
+    fs::create_dir_all(folder).map_err(DiskError::io(folder, "create"))?;
+    sync_folder(parent)
 }

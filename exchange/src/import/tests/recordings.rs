@@ -124,9 +124,9 @@ fn names_with_one_code_can_meet() {
 }
 
 /// Tests that short reaches whose times jitter are put at their places if the rate is given, also one that is off by half a percent,
-/// and that a reach which seems to have another rate is warned of.
+/// and those of 80 frames also if it is not; and that a reach which seems to have another rate is warned of.
 #[test]
-fn a_given_rate_places_short_reaches() {
+fn short_reaches_that_jitter_are_placed() {
     let log = |frames: u32, step_s: f64| {
         // Jitter of up to 0.39 frames, all sizes as often, from a sequence without a pattern.
         let jitter =
@@ -139,8 +139,10 @@ fn a_given_rate_places_short_reaches() {
     };
     let still = MAPPING.lines().filter(|line| !line.starts_with("pose_from")).collect::<Vec<_>>().join("\n");
     let given = still.replace("[time]", "[time]\nrate_hz = 100");
-    for (frames, step_s) in [(10, 0.01), (30, 0.01), (200, 0.01005), (2000, 0.01005)] {
-        let found = recorded(&log(frames, step_s), TAXELS, &given).unwrap();
+    for (frames, step_s, mapping) in
+        [(10, 0.01, &given), (30, 0.01, &given), (200, 0.01005, &given), (2000, 0.01005, &given), (80, 0.01, &still)]
+    {
+        let found = recorded(&log(frames, step_s), TAXELS, mapping).unwrap();
         let counts: Vec<usize> = found.recordings.iter().map(|own| own.frames.len()).collect();
         assert_eq!(counts, [frames as usize; 12], "{frames} frames");
         assert!(found.recordings.iter().all(|own| (own.rate_hz * step_s - 1.0).abs() < 0.006), "{frames} frames");

@@ -114,6 +114,10 @@ fn a_wrong_mapping_is_refused_by_line_and_field() {
         assert_eq!((error.line, error.field.as_str()), (Some(line), field), "{error}");
         assert!(error.file.ends_with("log.toml") && error.allowed.contains(allowed), "{error}");
     }
+    // What the whole file lacks is in none of its tables.
+    let error = refused(&path, "[time]\nrate_hz = 100\n");
+    assert_eq!((error.line, error.field.as_str()), (None, "mapping"), "{error}");
+    assert_eq!(error.found, "missing field `force`");
     let nowhere = Mapping::load(Path::new("nowhere.toml"));
     assert!(matches!(nowhere, Err(error) if error.found == "no such file"));
 }

@@ -1,5 +1,9 @@
 //! Paths in the folder of a data set.
 
+use std::path::Path;
+
+use crate::Result;
+use crate::disk::files::is_there;
 use crate::disk::tables::dictionary::Table;
 
 /// Folders that hold only files of the set.
@@ -17,6 +21,13 @@ pub(crate) const INCOMPLETE: &str = "incomplete";
 pub(crate) const PLAN: &str = "incomplete/plan.json";
 pub(crate) const ASSEMBLED: &str = "incomplete/assembled.bin";
 pub(crate) const LOCK: &str = "incomplete/lock";
+
+/// Whether a folder has one of the files that this program adds to LeRobot's layout. Other programs write the other files under the
+/// same names. One of these may have been lost.
+pub(crate) fn has_own(dir: &Path) -> Result<bool> {
+    let mut there = [PROVENANCE, CHECKSUMS, TAXELS].into_iter().map(|name| is_there(&dir.join(name)));
+    there.try_fold(false, |any, own| Ok(any || own?))
+}
 
 /// Whether a path within a set is that of a hidden file. File managers leave such files behind, and readers of data sets ignore
 /// them.

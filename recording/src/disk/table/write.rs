@@ -44,16 +44,11 @@ fn schema_of(column: &Column) -> Result<TypePtr, ParquetError> {
     if !lists {
         return Ok(Arc::new(value));
     }
-    let list = Schema::group_type_builder("list")
-        .with_repetition(Repetition::REPEATED)
-        .with_fields(vec![Arc::new(value)])
-        .build()?;
-    let lists = Schema::group_type_builder(&column.name)
-        .with_repetition(Repetition::OPTIONAL)
-        .with_logical_type(Some(LogicalType::List))
-        .with_fields(vec![Arc::new(list)])
-        .build()?;
-    Ok(Arc::new(lists))
+    let list = Schema::group_type_builder("list").with_repetition(Repetition::REPEATED);
+    let list = list.with_fields(vec![Arc::new(value)]).build()?;
+    let lists = Schema::group_type_builder(&column.name).with_repetition(Repetition::OPTIONAL);
+    let lists = lists.with_logical_type(Some(LogicalType::List)).with_fields(vec![Arc::new(list)]);
+    Ok(Arc::new(lists.build()?))
 }
 
 /// What the names of columns with poses of moving bodies have in common.
@@ -149,11 +144,8 @@ impl ParquetFile {
     /// Creates a file for columns like these with key-value metadata. If [`footer::unsealed`] is among them, the file
     /// will contain its own hash.
     pub(crate) fn create(path: &Path, columns: &[Column], key_values: Vec<(&'static str, String)>) -> Result<Self> {
-        let key_values: Vec<_> = key_values
-            .into_iter()
-            .chain(arrow_schema::entry(columns))
-            .map(|(key, value)| KeyValue::new(key.to_string(), value))
-            .collect();
+        let key_values = key_values.into_iter().chain(arrow_schema::entry(columns));
+        let key_values: Vec<_> = key_values.map(|(key, value)| KeyValue::new(key.to_string(), value)).collect();
         let sealed = key_values.iter().any(|pair| pair.key == footer::SEAL_KEY);
         let encoder = Encoder::new(path, columns)?;
         let properties = WriterProperties::clone(&encoder.properties).into_builder();
@@ -180,8 +172,7 @@ impl ParquetFile {
             for (bytes, closed) in group {
                 row_group.append_column(&bytes, closed)?;
             }
-            row_group.close()?;
-            Ok(())
+            row_group.close().map(drop)
         };
         append().map_err(DiskError::encode(&self.path))
     }

@@ -202,12 +202,8 @@ pub(crate) fn add_contact_points(rows: &EpisodeRows, recording: &mut Recording) 
             depth_m: row.depth_m,
             area_m2: row.area_m2,
         };
-        let index: u32 = batch.index("frame_index", row.frame_index, COUNTS)?;
-        let frames = recording.frames.len();
-        let frame = recording.frames.get_mut(index as usize).ok_or_else(|| {
-            batch.error("frame_index", index.to_string(), format!("the index of a frame in an episode of {frames}"))
-        })?;
-        frame.contact_points.push(point);
+        let frame = frame_of(batch, recording, row.frame_index)?;
+        recording.frames[frame].contact_points.push(point);
     }
     Ok(())
 }
@@ -303,13 +299,18 @@ pub(crate) fn taxel_rows(recording: &Recording) -> Vec<TruthTaxel> {
     frames.flat_map(|(index, frame)| frame.taxels.iter().filter_map(move |reading| row(index, reading))).collect()
 }
 
-/// The indices of the frame and patch of a row.
-fn place(rows: &Batch, recording: &Recording, frame: i64, patch: &str) -> Result<Place> {
+/// The index of the frame of a row.
+fn frame_of(rows: &Batch, recording: &Recording, frame: i64) -> Result<usize> {
     let found = usize::try_from(frame).ok().filter(|frame| *frame < recording.frames.len());
-    let frame = found.ok_or_else(|| {
+    found.ok_or_else(|| {
         let allowed = format!("the index of a frame in an episode of {}", recording.frames.len());
         rows.error("frame_index", frame.to_string(), allowed)
-    })?;
+    })
+}
+
+/// The indices of the frame and patch of a row.
+fn place(rows: &Batch, recording: &Recording, frame: i64, patch: &str) -> Result<Place> {
+    let frame = frame_of(rows, recording, frame)?;
     let found = recording.layout.patch_index(patch);
     let patch = found.ok_or_else(|| rows.error("patch", patch, "a patch of meta/taxels.parquet"))?;
     Ok(Place { frame, patch })

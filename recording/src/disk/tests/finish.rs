@@ -166,6 +166,50 @@ fn a_folder_that_holds_something_else_is_left_alone() {
     assert_eq!(contents(&crashed), contents(&finished));
 }
 
+/// Tests that a set of another program with LeRobot's files, which have the same names, is not overwritten.
+#[test]
+fn a_lerobot_set_of_another_program_is_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().join("set");
+    make(&dir);
+    for own in ["truth", "controller"] {
+        fs::remove_dir_all(dir.join(own)).unwrap();
+    }
+    for own in ["meta/provenance.json", "meta/checksums.json", "meta/taxels.parquet"] {
+        // One of them still tells that the set is ours.
+        assert!(matches!(DatasetWriter::create(&dir, plan(), false), Err(DiskError::Finished { .. })), "{own}");
+        fs::remove_file(dir.join(own)).unwrap();
+    }
+    let before = contents(&dir);
+    make_room(&dir, true).unwrap();
+    for resume in [false, true] {
+        let over = DatasetWriter::create(&dir, plan(), resume);
+        assert!(matches!(over, Err(DiskError::FolderNotEmpty { .. })), "{over:?}");
+    }
+    assert_eq!(contents(&dir), before);
+}
+
+/// Tests that removing a set can be interrupted at any file and repeated, and that the set is unfinished meanwhile.
+#[test]
+fn a_removal_that_was_interrupted_can_be_repeated() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = folder.path().join("whole");
+    make(&whole);
+    let names: Vec<_> = contents(&whole).into_keys().filter(|name| !name.ends_with("info.json")).collect();
+    for removed in 0..=names.len() {
+        let dir = folder.path().join(removed.to_string());
+        copy(&whole, &dir);
+        fs::create_dir(dir.join("incomplete")).unwrap();
+        fs::rename(dir.join("meta/info.json"), dir.join("incomplete/plan.json")).unwrap();
+        for name in &names[..removed] {
+            fs::remove_file(dir.join(name)).unwrap();
+        }
+        assert!(matches!(DatasetWriter::create(&dir, plan(), false), Err(DiskError::Unfinished { .. })));
+        make_room(&dir, true).unwrap();
+        assert_eq!(fs::read_dir(&dir).unwrap().count(), 0, "{removed}");
+    }
+}
+
 /// Tests that a file that somebody has put into a folder of the set is not removed when the set is continued, assembled or
 /// overwritten, and that the error names it. Hidden files, which file managers leave behind, are removed.
 #[test]

@@ -129,11 +129,7 @@ impl<'a> Cells<'a> {
             Cell::Flag(flag) => Some(flag),
             Cell::Text(text) if text.trim().eq_ignore_ascii_case("true") => Some(true),
             Cell::Text(text) if text.trim().eq_ignore_ascii_case("false") => Some(false),
-            _ => match self.whole::<u8>(column) {
-                Ok(Some(1)) => Some(true),
-                Ok(Some(0)) => Some(false),
-                _ => None,
-            },
+            _ => self.whole::<u8>(column).ok().flatten().filter(|flag| *flag <= 1).map(|flag| flag == 1),
         };
         self.present(column, flag, "true or false")
     }

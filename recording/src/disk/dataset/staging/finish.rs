@@ -16,7 +16,7 @@ use super::folder::{Staging, require_own_files};
 use super::packed::Assembled;
 use super::statistics::Statistics;
 use super::table_files::{FurtherColumns, TableFiles};
-use crate::disk::dataset::checksums::{FileSum, files_below, files_of_set};
+use crate::disk::dataset::checksums::{Checksums, FileSum, files_below, files_of_set};
 use crate::disk::dataset::info::{FORMAT, Info, ProvenanceFile, card};
 use crate::disk::dataset::names;
 use crate::disk::files::{create_folder, json_bytes, remove_if_there, remove_leftovers, write_bytes, write_json};
@@ -136,16 +136,15 @@ pub(crate) fn assemble_from(
     write_episodes(&dir.join(names::EPISODES), &assembled.episodes)?;
     write_json(&dir.join(names::STATS), &assembled.statistics.summary())?;
     let info = Info::new(plan, assembled.total_frames, numbers.len(), &features);
-    finish_with_info(dir, &info, &plan.categories, assembled)
+    finish_with_info(dir, &info, &plan.categories, assembled.checksums)
 }
 
 /// Hashes all other files, then writes the file that makes the set complete.
-fn finish_with_info(dir: &Path, info: &Info, categories: &[Category], assembled: Assembled) -> Result<()> {
+fn finish_with_info(dir: &Path, info: &Info, categories: &[Category], mut checksums: Checksums) -> Result<()> {
     let path = dir.join(names::INFO);
     let bytes = json_bytes(&path, info)?;
     let card = card(info, categories);
     write_bytes(&dir.join(names::CARD), card.as_bytes())?;
-    let mut checksums = assembled.checksums;
     checksums.add(names::CARD, FileSum::of_bytes(card.as_bytes()));
     checksums.add_files(dir, files_below(dir, "meta")?)?;
     checksums.add(names::INFO, FileSum::of_bytes(&bytes));

@@ -12,7 +12,7 @@ use crate::disk::dataset::info::{MEGABYTES_PER_FILE, read_json};
 use crate::disk::dataset::plan::first_difference;
 use crate::disk::dataset::{Dataset, DatasetPlan, names};
 use crate::disk::files::{
-    TEMPORARY_PREFIX, is_there, json_bytes, metadata, remove_if_there, sync_folder, write_new_bytes,
+    TEMPORARY_PREFIX, create_folder, is_there, json_bytes, metadata, remove_if_there, sync_folder, write_new_bytes,
 };
 use crate::{DiskError, InputError, Result};
 
@@ -58,12 +58,11 @@ pub(crate) enum Folder {
 pub(crate) fn look(dir: &Path) -> Result<Folder> {
     let of_ours = || -> Result<Option<Folder>> {
         // The plan is removed after everything else has been written, so it has to be looked for first.
-        let [plan, info] = [names::PLAN, names::INFO].map(|name| is_there(&dir.join(name)));
-        Ok(match (plan?, info?) {
-            (true, _) => Some(Folder::Begun),
-            (false, true) => Some(Folder::Finished),
-            (false, false) => None,
-        })
+        if is_there(&dir.join(names::PLAN))? {
+            return Ok(Some(Folder::Begun));
+        }
+        let is_finished = is_there(&dir.join(names::INFO))? && names::has_own(dir)?;
+        Ok(is_finished.then_some(Folder::Finished))
     };
     if let Some(folder) = of_ours()? {
         return Ok(folder);
@@ -157,31 +156,45 @@ fn require_same(dir: &Path, stored: &Value, plan: &DatasetPlan) -> Result<()> {
 /// [`DiskError::Input`] if the folder holds anything else, which then stays, as does the set; [`DiskError::InUse`] while a
 /// process writes the set; [`DiskError::Io`] if it cannot be removed.
 pub fn make_room(dir: &Path, force: bool) -> Result<(), DiskError> {
-    if !force {
+    if !force || matches!(look(dir)?, Folder::Empty | Folder::Foreign) {
         return Ok(());
     }
-    let _lock = match look(dir)? {
-        Folder::Empty | Folder::Foreign => return Ok(()),
-        Folder::Begun => {
-            let lock = open_lock(dir)?;
-            lock.try_lock().map_err(not_locked(dir))?;
-            Some(lock)
-        }
-        Folder::Finished => None,
-    };
-    // What tells that there is a set goes last, so that a removal that was interrupted can be repeated.
-    let order = ["data", "truth", "controller", names::CARD, "meta", names::INCOMPLETE];
-    if let Some(other) = shown(dir)?.into_iter().find(|name| !order.contains(&name.as_str())) {
+    let parts = ["data", "truth", "controller", names::CARD, "meta"];
+    let is_other = |name: &String| name != names::INCOMPLETE && !parts.contains(&name.as_str());
+    if let Some(other) = shown(dir)?.into_iter().find(is_other) {
         let found = format!("{other:?} beside the data set");
         let remedy = "move it away, or choose another folder";
         return Err(InputError::new(dir, "folder of the data set", found, "a data set alone", remedy).into());
     }
     require_own_files(dir)?;
-    order.into_iter().try_for_each(|name| remove_if_there(&dir.join(name)))?;
-    sync_folder(dir)
+    create_folder(&dir.join(names::INCOMPLETE))?;
+    let lock = open_lock(dir)?;
+    lock.try_lock().map_err(not_locked(dir))?;
+    // From here on the set is an unfinished one, so that a removal that was interrupted can be repeated.
+    let info = dir.join(names::INFO);
+    if is_there(&info)? {
+        fs::rename(&info, dir.join(names::PLAN)).map_err(DiskError::io(&info, "remove"))?;
+    }
+    parts.into_iter().try_for_each(|name| remove_if_there(&dir.join(name)))?;
+    remove_staged(dir)
 }
 
-/// Removes the folder `incomplete/` of a set whose plan has been removed. The set is then finished.
+/// Removes the folder `incomplete/` with all that it holds. The plan goes last but for the lock: while it exists, this can be
+/// repeated, and the lock keeps other processes out.
+pub(crate) fn remove_staged(dir: &Path) -> Result<()> {
+    let incomplete = dir.join(names::INCOMPLETE);
+    let [plan, lock] = [names::PLAN, names::LOCK].map(|name| dir.join(name));
+    for path in list(&incomplete)?.iter().map(|name| incomplete.join(name)) {
+        if path != plan && path != lock {
+            remove_if_there(&path)?;
+        }
+    }
+    sync_folder(&incomplete)?;
+    remove_if_there(&plan)?;
+    remove_incomplete(dir)
+}
+
+/// Removes the folder `incomplete/` of a set whose plan has been removed. The set is then finished, or gone.
 pub(crate) fn remove_incomplete(dir: &Path) -> Result<()> {
     let incomplete = dir.join(names::INCOMPLETE);
     for _ in 0..ATTEMPTS {

@@ -1,6 +1,6 @@
 //! Writes a data set: reaches are staged one by one, in any order and from several threads, and then assembled.
 
-use std::fs::{self, File, TryLockError};
+use std::fs::{File, TryLockError};
 use std::io::ErrorKind;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -9,15 +9,15 @@ use rayon::prelude::*;
 
 use super::finish::assemble_from;
 use super::folder::{
-    ATTEMPTS, BYTES_PER_FILE, Folder, Staging, list, look, not_locked, open_lock, remove_incomplete, require_own_files,
-    require_same_set, settle_plan,
+    ATTEMPTS, BYTES_PER_FILE, Folder, Staging, look, not_locked, open_lock, remove_incomplete, remove_staged,
+    require_own_files, require_same_set, settle_plan,
 };
 use super::packed::{Assembled, read_reach, write_reach};
 use crate::disk::check::{Violation, check_categories, check_robot, require};
 use crate::disk::dataset::checksums::FileSum;
 use crate::disk::dataset::info::read_json;
 use crate::disk::dataset::{Dataset, DatasetPlan, Shard, names};
-use crate::disk::files::{create_folder, is_there, sync_folder, write_json};
+use crate::disk::files::{create_folder, is_there, write_json};
 use crate::{DiskError, Recording, Result};
 
 /// A data set that is being written.
@@ -216,20 +216,8 @@ impl DatasetWriter {
 
     /// Removes `incomplete/`, and opens the finished set.
     fn close(self) -> Result<Dataset> {
-        let dir = &self.staging.dir;
-        let incomplete = dir.join(names::INCOMPLETE);
-        let kept = [names::PLAN, names::LOCK].map(|path| dir.join(path));
-        for path in list(&incomplete)?.iter().map(|name| incomplete.join(name)) {
-            if !kept.contains(&path) {
-                fs::remove_file(&path).map_err(DiskError::io(&path, "remove"))?;
-            }
-        }
-        sync_folder(&incomplete)?;
-        // While the plan exists, this step can be resumed, and the lock keeps other processes out.
-        let [plan, _] = kept;
-        fs::remove_file(&plan).map_err(DiskError::io(&plan, "remove"))?;
-        remove_incomplete(dir)?;
-        Dataset::open(dir)
+        remove_staged(&self.staging.dir)?;
+        Dataset::open(&self.staging.dir)
     }
 }
 
