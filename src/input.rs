@@ -9,8 +9,7 @@ use underbrush_classifier::evaluate::touch_folds::ReadReaches;
 use underbrush_classifier::{DataKind, DataSource, ModelError};
 use underbrush_experiments::{contact_trials, model_data};
 use underbrush_recording::disk::{
-    Dataset, file_blake3, is_folder, is_recording, is_there, read_recording, read_trials, recordings_in,
-    with_recordings,
+    Dataset, DiskError, file_blake3, is_folder, is_recording, is_there, read_recording, read_trials, with_recordings,
 };
 use underbrush_recording::{Fault, InputError, Recording, Trial};
 use underbrush_sim::controller::ControllerKind;
@@ -55,19 +54,34 @@ pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<TrialInput
         let kept = "the trials of a table keep their labels, which --preset paper does not change";
         output::remark(format!("{path}: {kept}"));
     }
-    if read.trials.is_empty() {
-        let (threshold_n, samples) = (arguments.threshold_n(), arguments.min_samples());
-        if is_table {
-            let remedy = "lower --min-samples, or give a table with longer trials";
-            let text = format!("{path}: no trial in this table has {samples} samples or more; {remedy}");
-            return Err(Failure::usage(text));
-        }
-        let patch = arguments.patch.as_ref().map_or("the first patch".into(), |name| format!("patch {name}"));
-        let found = format!("no contact on {patch} above {threshold_n} N with {samples} samples or more");
-        let remedy = "lower --threshold-n or --min-samples, or generate more reaches";
-        return Err(Failure::usage(format!("{path}: {found}; {remedy}")));
+    match why_none(&read, arguments) {
+        Some((found, remedy)) => Err(Failure::usage(format!("{path}: {found}; {remedy}"))),
+        None => Ok(read),
+    }
+}
+
+/// As [`trials`]. Remarks why there are none, if there are none.
+pub fn any_trials(path: &Path, arguments: &TrialArguments) -> Result<TrialInput, Failure> {
+    let read = trials(path, arguments)?;
+    if let Some((found, _)) = why_none(&read, arguments) {
+        output::remark(format!("{}: no trials: {found}", path.display()));
     }
     Ok(read)
+}
+
+/// If there are no trials: what was not found, and what to do.
+fn why_none(read: &TrialInput, arguments: &TrialArguments) -> Option<(String, &'static str)> {
+    if !read.trials.is_empty() {
+        return None;
+    }
+    let samples = output::counted(arguments.min_samples(), "sample", "samples");
+    if read.is_table() {
+        let remedy = "lower --min-samples, or give a table with longer trials";
+        return Some((format!("no trial in this table has {samples} or more"), remedy));
+    }
+    let patch = arguments.patch.as_ref().map_or("the first patch".into(), |name| format!("patch {name}"));
+    let found = format!("no contact on {patch} above {} N with {samples} or more", arguments.threshold_n());
+    Some((found, "lower --threshold-n or --min-samples, name another --patch, or generate more reaches"))
 }
 
 /// An error about the trials at this path, unless an option is at fault.
@@ -94,20 +108,12 @@ pub fn check_exists(path: &Path, allowed: &str) -> Result<(), Failure> {
 pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<TrialInput, Failure> {
     check_exists(path, WITH_TRIALS)?;
     let about = |fault: Fault| Failure::from(fault).about(path);
-    let files = recordings_in(path)?;
-    let (trials, data) = if !files.is_empty() {
-        let read = contact_trials::of_reaches(files.len(), &arguments.options()?, &Shown, |index| {
-            let recording = read_recording(&files[index])?;
-            let source = model_data::of_file(&files[index], &recording)?;
-            Ok((recording, source))
-        });
-        let (trials, data) = read.map_err(about)?;
-        model_data::require_once("input", data.iter().map(|own| &own.blake3).zip(&files))?;
-        (trials, data)
-    } else if is_folder(path)? {
-        let dataset = Dataset::open(path)?;
-        let trials = contact_trials::of_dataset(&dataset, &arguments.options()?, &Shown).map_err(about)?;
-        (trials, vec![model_data::of_reaches(&dataset, dataset.episodes().iter())])
+    let (trials, data) = if is_folder(path)? {
+        let reaches = Reaches::open(&[path.to_owned()])?;
+        let places: Vec<Place> = reaches.places().collect();
+        let read = |place: usize| -> Result<_, Fault> { Ok(read_one(places[place])?) };
+        let trials = contact_trials::of_reaches(places.len(), &arguments.options()?, &Shown, read).map_err(about)?;
+        (trials, reaches.data()?)
     } else if is_recording(path)? {
         let recording = read_recording(path)?;
         let cut = contact_trials::of_recording(&recording, &arguments.options()?);
@@ -167,13 +173,22 @@ impl Reaches {
         Ok(Reaches { sources })
     }
 
-    /// Reads one reach after the other.
-    pub fn recordings(&self) -> impl Iterator<Item = Result<Recording, Failure>> {
-        self.places().map(|(path, dataset, index)| read_one(path, dataset, index))
+    /// Takes away those after the first `count` files and folders.
+    pub fn split_off(&mut self, count: usize) -> Self {
+        Reaches { sources: self.sources.split_off(count) }
     }
 
-    /// Each reach as its file or folder, and the data set there with its index in it.
-    fn places(&self) -> impl Iterator<Item = (&PathBuf, Option<&Dataset>, usize)> {
+    /// What the data sets and recordings are.
+    pub fn data(&self) -> Result<Vec<DataSource>, Failure> {
+        self.sources.iter().map(|(path, _)| Ok(model_data::of_path(path)?)).collect()
+    }
+
+    /// Reads one reach after the other.
+    pub fn recordings(&self) -> impl Iterator<Item = Result<Recording, Failure>> {
+        self.places().map(|place| read_one(place).map_err(Failure::from))
+    }
+
+    fn places(&self) -> impl Iterator<Item = Place<'_>> {
         self.sources.iter().flat_map(|(path, dataset)| {
             let reaches = dataset.as_ref().map_or(1, |dataset| dataset.episodes().len());
             (0..reaches).map(move |index| (path, dataset.as_ref(), index))
@@ -181,8 +196,11 @@ impl Reaches {
     }
 }
 
-fn read_one(path: &Path, dataset: Option<&Dataset>, index: usize) -> Result<Recording, Failure> {
-    Ok(dataset.map_or_else(|| read_recording(path), |dataset| dataset.read_reach(index))?)
+/// A reach as its file or folder, and the data set there with its index in it.
+type Place<'a> = (&'a PathBuf, Option<&'a Dataset>, usize);
+
+fn read_one((path, dataset, index): Place) -> Result<Recording, DiskError> {
+    dataset.map_or_else(|| read_recording(path), |dataset| dataset.read_reach(index))
 }
 
 impl ReadReaches for Reaches {
@@ -200,8 +218,8 @@ impl ReadReaches for Reaches {
     ) -> Result<(), Failure> {
         let kept: Vec<_> = self.places().enumerate().filter(|(position, _)| keeps(*position)).collect();
         let bar = progress::bar(kept.len() as u64, "reaches read");
-        for (_, (path, dataset, index)) in kept {
-            each(&read_one(path, dataset, index)?).map_err(|failure| failure.about(path))?;
+        for (_, place) in kept {
+            each(&read_one(place)?).map_err(|failure| failure.about(place.0))?;
             bar.inc(1);
         }
         Ok(())

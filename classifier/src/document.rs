@@ -83,10 +83,8 @@ impl Document {
             let found = categories.join(", ");
             return Err(self.error("categories", found, "one or more names in alphabetical order, none twice"));
         }
-        match categories.iter().find_map(|name| Some((name, Category::name_fault(name)?))) {
-            Some((name, allowed)) => Err(self.error("categories", format!("{name:?}"), allowed)),
-            None => Ok(()),
-        }
+        let fault = categories.iter().find_map(|name| Some((name, Category::name_fault(name)?)));
+        fault.map_or(Ok(()), |(name, allowed)| Err(self.error("categories", format!("{name:?}"), allowed)))
     }
 
     pub(crate) fn fault(&self, fault: Fault) -> InputError {

@@ -52,10 +52,8 @@ impl<'a> Scores<'a> {
     /// # Errors
     /// [`DecisionError::NotThePapers`] if its thresholds do not apply to these scores.
     pub fn paper(&self) -> Result<Rule, DecisionError> {
-        match self.misfit.clone() {
-            Some(misfit) => Err(DecisionError::NotThePapers { misfit }),
-            None => Ok(Decision::paper().rule),
-        }
+        let misfit = self.misfit.clone();
+        misfit.map_or(Ok(Decision::paper().rule), |misfit| Err(DecisionError::NotThePapers { misfit }))
     }
 
     /// The decision with this rule and the model's priors. Without a rule, it is the model's own decision.

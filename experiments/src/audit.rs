@@ -93,11 +93,12 @@ pub struct Worst {
 
 /// The worst value of every residual over some reaches, by name.
 pub fn worst(episodes: &[Episode], layout: &SkinLayout) -> BTreeMap<&'static str, Worst> {
+    let bounds: Vec<Bound> = bounds(layout).collect();
     let of_field = |name: &str, get: fn(&Audit) -> f64| {
         let worst = episodes.iter().max_by(|a, b| get(&a.audit).total_cmp(&get(&b.audit)))?;
         Some(Worst {
             value: get(&worst.audit),
-            bound: bounds(layout).find(|bound| bound.field.name == name).map(|bound| bound.max),
+            bound: bounds.iter().find(|bound| bound.field.name == name).map(|bound| bound.max),
             scene: worst.scene.clone(),
             reach_index: worst.reach_index,
         })

@@ -46,30 +46,28 @@ pub(crate) fn cut(recording: &Recording, options: &TrialOptions) -> Result<Vec<T
 /// # Errors
 /// If the set cannot be read or a reach cannot be cut; that of [`Progress::check_stopped`] if the user ends the run.
 pub fn of_dataset(dataset: &Dataset, options: &TrialOptions, progress: &dyn Progress) -> Result<Vec<Trial>, Fault> {
-    let count = dataset.episodes().len();
-    Ok(of_reaches(count, options, progress, |episode| Ok((dataset.read_reach(episode)?, ())))?.0)
+    of_reaches(dataset.episodes().len(), options, progress, |episode| Ok(dataset.read_reach(episode)?))
 }
 
-/// The trials of as many reaches as `read` is to return, and what it returns beside them. The reach of a trial is its place among these.
+/// The trials of as many reaches as `read` is to return. The reach of a trial is its place among these.
 ///
 /// # Errors
 /// As [`of_dataset`].
-pub fn of_reaches<T: Send>(
+pub fn of_reaches(
     count: usize,
     options: &TrialOptions,
     progress: &dyn Progress,
-    read: impl Fn(usize) -> Result<(Recording, T), Fault> + Sync,
-) -> Result<(Vec<Trial>, Vec<T>), Fault> {
+    read: impl Fn(usize) -> Result<Recording, Fault> + Sync,
+) -> Result<Vec<Trial>, Fault> {
     let parts = each_reach(count, progress, |reach| {
-        let (recording, beside) = read(reach)?;
+        let recording = read(reach)?;
         let trials = cut(&recording, options)?.into_iter();
         let trials: Vec<Trial> = trials.map(|trial| Trial { reach: Some(reach as u64), ..trial }).collect();
-        Ok((is_mixed(&recording, options), (trials, beside)))
+        Ok((is_mixed(&recording, options), trials))
     })?;
     warn_of_mixed(parts.iter().filter(|(is_mixed, _)| *is_mixed).count(), parts.len());
-    let (trials, beside): (Vec<Vec<Trial>>, Vec<T>) = parts.into_iter().map(|(_, own)| own).unzip();
-    let trials = trials.into_iter().flatten().zip(0..);
-    Ok((trials.map(|(trial, number)| Trial { trial: number, ..trial }).collect(), beside))
+    let trials = parts.into_iter().flat_map(|(_, own)| own).zip(0..);
+    Ok(trials.map(|(trial, number)| Trial { trial: number, ..trial }).collect())
 }
 
 /// Reads the reaches of a data set, several at a time, and returns what `each` makes of them, in their order.

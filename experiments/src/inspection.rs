@@ -1,14 +1,18 @@
-//! What a file or folder holds: a scene, an arm, a data set, a recording, trials or a model. The content is checked as well.
+//! What a file or folder holds: a scene, an arm, a data set, a recording or a folder of them, trials or a model. The content is
+//! checked as well.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::{Model, frequencies};
-use underbrush_recording::disk::{ArmText, FileText, is_folder, is_recording, is_there, read_recording, read_trials};
+use underbrush_recording::disk::{
+    ArmText, FileText, is_folder, is_recording, is_there, read_recording, read_trials, recordings_in,
+};
 use underbrush_recording::math::median;
 use underbrush_recording::{Dataset, Fault, InputError};
+use underbrush_sim::arm::skin::nearest_m;
 use underbrush_sim::arm::wedge::{Wedge, wedges};
 use underbrush_sim::arm::{Arm, ArmAtStart, is_arm_file};
 use underbrush_sim::scene::{Scene, shipped_by_name};
@@ -37,12 +41,16 @@ pub fn inspect(path: &Path, seed: u64) -> Result<Value, Fault> {
         if shipped_by_name().any(|(name, _)| Path::new(name) == path) {
             return scene(path, seed);
         }
-        let allowed = "a scene or its name, arm, data set (folder), recording, model or table of trials";
+        let allowed =
+            "a scene or its name, arm, data set (folder), recording, folder of recordings, model or table of trials";
         return Err(InputError::new(path, "input", "no such file or folder", allowed, "check the path").into());
     }
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     match &*extension.to_string_lossy() {
-        _ if is_folder(path)? => dataset(path),
+        _ if is_folder(path)? => match &recordings_in(path)?[..] {
+            [] => dataset(path),
+            recordings => folder(path, recordings),
+        },
         "toml" if is_arm_file(path) => arm(&Arm::load(path)?),
         "toml" => scene(path, seed),
         "json" => model(path),
@@ -100,7 +108,8 @@ fn arm(arm: &Arm) -> Result<Value, Fault> {
     });
     let patches = arm.skin.layout.patches.iter().map(|patch| {
         let grid = patch.grid.map(|grid| json!({"rows": grid.rows, "columns": grid.columns}));
-        json!({"name": patch.name, "link": patch.link, "taxels": patch.taxels.len(), "grid": grid})
+        let pitch_mm = median(nearest_m(&patch.taxels).collect()).map(|pitch_m| tenths(1e3 * pitch_m));
+        json!({"name": patch.name, "link": patch.link, "taxels": patch.taxels.len(), "grid": grid, "pitch_mm": pitch_mm})
     });
     let wedges: Vec<String> = wedges(arm).iter().map(wedge).collect();
     Ok(json!({
@@ -196,6 +205,18 @@ fn recording(path: &Path) -> Result<Value, Fault> {
         "contacts": recording.contacts.len(),
         "audit": simulated.then_some(recording.audit),
         "doubtful": simulated.then(|| doubtful(&audit::reach_warnings(&recording))),
+        "check": "sound",
+    }))
+}
+
+/// What the recordings in a folder hold.
+fn folder(path: &Path, recordings: &[PathBuf]) -> Result<Value, Fault> {
+    let recordings: Vec<Value> = recordings.iter().map(|file| recording(file)).collect::<Result<_, _>>()?;
+    Ok(json!({
+        "folder": path.display().to_string(),
+        "reaches": recordings.len(),
+        "frames": recordings.iter().filter_map(|own| own["frames"].as_u64()).sum::<u64>(),
+        "recordings": recordings,
         "check": "sound",
     }))
 }

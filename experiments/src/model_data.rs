@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::Value;
 use underbrush_classifier::{DataKind, DataSource, Provenance, frequencies};
-use underbrush_recording::disk::{Episode, file_blake3, is_folder, is_recording, read_recording, read_trials};
+use underbrush_recording::disk::{Episode, file_blake3, is_folder, is_recording, read_trials, recording_header};
 use underbrush_recording::{Dataset, DiskError, InputError, Recording, Trial, period_s};
 
 use crate::dataset::PROGRAM_VERSION;
@@ -87,7 +87,7 @@ pub fn of_path(path: &Path) -> Result<DataSource, DiskError> {
         let dataset = Dataset::open(path)?;
         return Ok(of_reaches(&dataset, dataset.episodes().iter()));
     }
-    if is_recording(path)? { of_file(path, &read_recording(path)?) } else { of_table(path, &read_trials(path)?) }
+    if is_recording(path)? { of_file(path, &recording_header(path)?) } else { of_table(path, &read_trials(path)?) }
 }
 
 /// A recording that was read from this file.

@@ -16,7 +16,7 @@ use underbrush_validation::{CHECKS, Check};
 
 use crate::{Answer, Failure, Reported, Stop, alone, controller, generate, json, watched};
 
-/// Check a scene, data set, recording, model or table of trials, and say what it holds.
+/// Check a scene, data set, recording, folder of recordings, model or table of trials, and say what it holds.
 #[pyfunction]
 #[pyo3(signature = (path, seed = 0))]
 pub fn inspect(py: Python<'_>, path: PathBuf, seed: u64) -> Answer<'_> {

@@ -27,10 +27,17 @@ const CHAIN: [[&str; 2]; 10] = [
     ["shapes", "shapes"],
 ];
 
+/// Further lists that are shown as tables: the key, and those of the columns.
+const LISTS: &[(&str, &str)] = &[
+    ("patches", "name link taxels grid pitch_mm"),
+    ("recordings", "recording scene frames objects contacts goals doubtful"),
+];
+
 /// Options of `underbrush inspect`.
 #[derive(Args)]
 pub struct InspectOptions {
-    /// Scene (.toml) or its name, arm (.toml), data set (folder), recording or trials (.parquet), trials (.csv) or model (.json)
+    /// Scene (.toml) or its name, arm (.toml), data set (folder), recording or trials (.parquet), folder of recordings, trials
+    /// (.csv) or model (.json)
     path: PathBuf,
     /// For a scene: seed of the draw that is tried [default: 0]
     #[arg(long, value_name = "N")]
@@ -93,10 +100,12 @@ fn text(value: &Value, depth: usize) -> String {
             .map(|(key, value)| match value {
                 Value::Object(inner) if !inner.is_empty() => format!("{pad}{key}:\n{}", text(value, depth + 1)),
                 Value::String(plain) => format!("{pad}{key}: {plain}\n"),
-                Value::Array(joints) if key == "chain" => format!("{pad}{key}:\n{}", chain(joints)),
+                Value::Array(joints) if key == "chain" => format!("{pad}{key}:\n{}", table(joints, CHAIN)),
                 Value::Array(list) if list.iter().all(Value::is_object) && !list.is_empty() => {
-                    let entries = list.iter().map(|entry| format!("{pad}  {entry}\n"));
-                    format!("{pad}{key}:\n{}", entries.collect::<String>())
+                    let entries = || list.iter().map(|entry| format!("{pad}  {entry}\n")).collect::<String>();
+                    let columns = LISTS.iter().find(|(name, _)| name == key).map(|(_, columns)| columns.split(' '));
+                    let text = columns.map_or_else(entries, |keys| table(list, keys.map(|key| [key, key])));
+                    format!("{pad}{key}:\n{text}")
                 }
                 other => format!("{pad}{key}: {other}\n"),
             })
@@ -105,17 +114,18 @@ fn text(value: &Value, depth: usize) -> String {
     }
 }
 
-/// The joints of an arm, one per line, under titles with units.
-fn chain(joints: &[Value]) -> String {
+/// One line for each of these, under titles with units.
+fn table(list: &[Value], columns: impl IntoIterator<Item = [&'static str; 2]>) -> String {
     let cell = |value: &Value| match value {
+        Value::Null => "none".into(),
+        Value::Object(_) => format!("{} x {}", value["rows"], value["columns"]),
         Value::String(plain) => plain.clone(),
         Value::Array(ends) if ends.iter().all(Value::is_null) => "none".into(),
         Value::Array(ends) => ends.iter().map(Value::to_string).collect::<Vec<_>>().join(" to "),
         other => other.to_string(),
     };
-    let column =
-        |rows: Rows<_>, [title, key]: &[&'static str; 2]| rows.column(*title, |joint: &Value| cell(&joint[*key]));
-    CHAIN.iter().fold(Rows::of(joints), column).text()
+    let column = |rows: Rows<_>, [title, key]: [&'static str; 2]| rows.column(title, |own: &Value| cell(&own[key]));
+    columns.into_iter().fold(Rows::of(list), column).text()
 }
 
 #[cfg(test)]

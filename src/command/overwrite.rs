@@ -25,13 +25,14 @@ impl Overwrite {
     /// Demands that the result can be written to this file: it is not one of the inputs, nothing is there or it may be
     /// overwritten, and the parent folders are there or are created.
     pub fn file<'a>(self, path: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Failure> {
+        // Only then does a name with `..` lead to where it will lead, which may be an input.
+        output::create_parents(path)?;
         check_not_input(path, inputs)?;
         if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
             let text = "is a folder or not a regular file; give the name of a file to write";
             return Err(Failure::usage(text).about(path));
         }
-        check_free(path, self.force)?;
-        Ok(output::create_parents(path)?)
+        Ok(check_free(path, self.force)?)
     }
 
     /// As [`Overwrite::file`], for a file whose name must have one of these endings, in small letters or capitals.

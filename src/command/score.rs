@@ -60,7 +60,7 @@ struct Row {
 /// Prints CSV, one row per category and trial.
 pub fn run(options: ScoreOptions, json: bool) -> Result<(), Failure> {
     let model = by_kind(any_model::load_of_trials(&options.model)?, &options.model, options.by, "--by")?;
-    let read = input::trials(&options.trials, &TrialArguments::default())?;
+    let read = input::any_trials(&options.trials, &TrialArguments::default())?;
     let scored = of_trials(&model, &read, &options.trials)?;
     let categories = model.classifier.categories().into_iter().enumerate();
     let rows = categories.flat_map(|(index, category)| {

@@ -71,15 +71,6 @@ pub struct TrainOptions {
     cut: TrialArguments,
 }
 
-#[derive(Serialize)]
-struct Trained<'a> {
-    #[serde(serialize_with = "output::path")]
-    model: &'a Path,
-    report: &'a Report,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    thresholds: Option<&'a ChosenThresholds>,
-}
-
 /// The result of the fit.
 #[derive(Serialize)]
 struct Report {
@@ -139,7 +130,11 @@ pub fn run(options: TrainOptions, json: bool) -> Result<(), Failure> {
     model.provenance = options.provenance(read)?;
     model.warn_of_little_data();
     output::write_file(&options.out, model.save_string()?.as_bytes())?;
-    output::result(json, &Trained { model: &options.out, report: &report, thresholds: thresholds.as_ref() }, || {
+    let mut trained = json!({ "model": options.out.display().to_string(), "report": report });
+    if let Some(chosen) = &thresholds {
+        trained["thresholds"] = json!(chosen);
+    }
+    output::result(json, &trained, || {
         text(&report, options.estimator.classifier_name())
             + &thresholds.as_ref().map(thresholds_text).unwrap_or_default()
             + &format!("Model written to {}", options.out.display())

@@ -123,7 +123,7 @@ fn missing_file() {
 fn foreign_folder() {
     let folder = tempfile::tempdir().unwrap();
     refuses_file(folder.path(), None, &["found no meta/info.json", "check the path, or generate"]);
-    // Neither is it a folder of recordings, which all of these commands but inspect would take.
+    // Neither is it a folder of recordings, which all of these commands would take.
     underbrush!["evaluate", folder.path()].refused(&["or a folder with recordings"]);
     underbrush!["evaluate", folder.path(), "--classifier", "touch"].refused(&["or a folder with recordings"]);
 }

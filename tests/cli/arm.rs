@@ -284,3 +284,15 @@ fn skin_that_nothing_touches_is_a_warning() {
     let answer = underbrush!["reach", scene];
     assert!(answer.stderr.contains(warning), "{}", answer.stderr);
 }
+
+/// Tests that the text of `inspect` has a line for each patch, with its taxels, its grid and their median distance.
+#[test]
+fn patches_are_a_table() {
+    let arm = Path::new(env!("CARGO_MANIFEST_DIR")).join("sim/arms/cody/cody.toml");
+    let text = underbrush!["inspect", arm].success();
+    let lines = text.lines().skip_while(|line| *line != "patches:").skip(3).take(2);
+    let lines: Vec<Vec<&str>> = lines.map(|line| line.split_whitespace().collect()).collect();
+    // The rows of the forearm are 10.8 mm apart, its columns 12 mm.
+    assert_eq!(lines[0], ["forearm", "forearm", "384", "16", "x", "24", "10.8"], "{text}");
+    assert_eq!(lines[1][..4], ["flipper", "flipper", "69", "none"], "{text}");
+}

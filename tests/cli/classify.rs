@@ -54,6 +54,14 @@ fn a_table_without_category_is_classified() {
     assert!(table::rows(&verdicts).iter().all(|row| row["truth"].is_empty()), "{verdicts}");
 }
 
+/// Tests that `classify` says why there are no trials, and prints an empty table.
+#[test]
+fn a_table_without_trials_is_explained() {
+    let answer = underbrush!["classify", fixture().model(), fixture().dataset(), "--threshold-n", "999"];
+    assert!(answer.stderr.contains("no trials: no contact on the first patch above 999 N"), "{}", answer.stderr);
+    assert_eq!(answer.success(), "trial,verdict,truth\n");
+}
+
 /// The lines that `classify --online` prints for a recording.
 fn lines(text: &str) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()

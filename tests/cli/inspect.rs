@@ -55,3 +55,22 @@ fn torques_balance() {
     underbrush!["inspect", "mixed", "--audit"].refused(&["mixed", "data sets"]);
     underbrush!["inspect", fixture.dataset(), "--seed", "5"].refused(&["--seed is for scenes"]);
 }
+
+/// Tests that a folder of recordings is inspected: each of them, one per line, and the sum of their frames.
+#[test]
+fn a_folder_of_recordings_is_inspected() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "few.toml", scenes::FEW_TRUNKS);
+    let (one, both) = (folder.path().join("b.parquet"), folder.path().join("both"));
+    underbrush!["reach", scene, "--out", one].success();
+    std::fs::create_dir(&both).unwrap();
+    for name in ["a.parquet", "b.parquet"] {
+        std::fs::copy(&one, both.join(name)).unwrap();
+    }
+    let found = underbrush!["inspect", both, "--json"].json();
+    let frames = underbrush!["inspect", one, "--json"].json()["frames"].as_u64().unwrap();
+    assert_eq!((&found["reaches"], &found["frames"]), (&2.into(), &(2 * frames).into()));
+    let text = underbrush!["inspect", both].success();
+    let lines: Vec<&str> = text.lines().skip_while(|line| *line != "recordings:").collect();
+    assert!(lines[3].contains("a.parquet") && lines[4].contains("b.parquet"), "{text}");
+}

@@ -57,6 +57,16 @@ fn what_exists_is_overwritten_only_by_force() {
     }
 }
 
+/// Tests that an input is not overwritten by a name that leads to it through a folder that is still to be made.
+#[test]
+fn an_input_is_recognized_behind_a_new_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("trials.csv");
+    std::fs::copy(fixture().table_csv(), &table).unwrap();
+    let out = folder.path().join("new/../trials.csv");
+    underbrush!["trials", table, "--out", out, "--force"].refused(&["an input of this command"]);
+}
+
 /// Tests that `--force` does not remove anything but a data set, and neither an input.
 #[test]
 fn force_removes_data_sets_alone() {

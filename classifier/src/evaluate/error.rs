@@ -87,22 +87,13 @@ pub enum EvaluateError {
 }
 
 fn counted(found: usize, unit: &str) -> String {
-    match (found, unit) {
-        (1, "reaches") => "is in 1 reach".into(),
-        (_, "reaches") => format!("is in {found} reaches"),
-        (1, _) => "has 1 trial".into(),
-        _ => format!("has {found} {unit}"),
-    }
+    let (has, one) = if unit == "reaches" { ("is in", "reach") } else { ("has", "trial") };
+    format!("{has} {found} {}", if found == 1 { one } else { unit })
 }
 
 /// Thresholds are chosen on two folds if there is little data, and only an evaluation lets the user choose the folds.
 fn remedy(folds: usize, unit: &str) -> String {
-    let data = match folds {
-        ..=2 => "use more data",
-        _ => "use fewer folds or more data",
-    };
-    match unit {
-        "reaches" => format!("{data}; an evaluation can also group by position"),
-        _ => data.into(),
-    }
+    let data = if folds <= 2 { "use more data" } else { "use fewer folds or more data" };
+    let position = if unit == "reaches" { "; an evaluation can also group by position" } else { "" };
+    format!("{data}{position}")
 }

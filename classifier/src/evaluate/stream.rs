@@ -103,7 +103,8 @@ pub struct Stream {
     pub taxel_frames: Vec<Vec<usize>>,
     /// Contacts with ground truth, in the order in which they first had it.
     pub contacts: Vec<StreamContact>,
-    /// Wall time of the classifier for each frame, s. This is the only field that depends on the machine.
+    /// Wall time of the classifier for each frame, s; of a touch model also that of comparing its objects with the truth. This is
+    /// the only field that depends on the machine.
     pub seconds: Vec<f64>,
 }
 

@@ -54,10 +54,7 @@ pub trait ReadReaches {
 /// If a reach cannot be read, has no ground truth or does not fit.
 pub fn touch_examples<R: ReadReaches>(reaches: &R, options: TouchOptions) -> Result<TouchExamples, R::Error> {
     let mut examples = TouchExamples::new(options);
-    reaches.read(&|_| true, &mut |recording| {
-        require_truth(recording)?;
-        Ok(examples.add(recording)?)
-    })?;
+    reaches.read(&|_| true, &mut |recording| Ok(examples.add(recording)?))?;
     Ok(examples)
 }
 
@@ -66,10 +63,7 @@ pub fn touch_examples<R: ReadReaches>(reaches: &R, options: TouchOptions) -> Res
 /// # Errors
 /// As [`touch_examples`].
 pub fn add_auxiliary<R: ReadReaches>(examples: &mut TouchExamples, reaches: &R) -> Result<(), R::Error> {
-    reaches.read(&|_| true, &mut |recording| {
-        require_truth(recording)?;
-        Ok(examples.add_auxiliary(recording)?)
-    })
+    reaches.read(&|_| true, &mut |recording| Ok(examples.add_auxiliary(recording)?))
 }
 
 /// Judges reaches with models, of which each judges a part: reach i belongs to part i modulo their number, which is 1 without

@@ -66,10 +66,7 @@ impl FeatureSet {
             }
             *features.get_mut(index).ok_or(FeatureError::TooMany { allowed: MOST })? = Some(feature);
         }
-        match features[0] {
-            None => Err(FeatureError::NoFeatures),
-            Some(_) => Ok(FeatureSet { features }),
-        }
+        if features[0].is_some() { Ok(FeatureSet { features }) } else { Err(FeatureError::NoFeatures) }
     }
 
     /// The built-in features that every sample of these trials has; `None` if there are none.

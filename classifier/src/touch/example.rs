@@ -9,7 +9,7 @@ use super::network::Row;
 use super::object::{Followed, ObjectExample, ObjectTracker, Open, Votes, add_votes, strongest};
 use super::region::Region;
 use crate::estimator::is_trained;
-use crate::trial::TrialError;
+use crate::trial::{TrialError, require_truth};
 
 /// Contacts give a row after each of these numbers of samples, so that verdicts on the beginning of a contact are
 /// learned as well.
@@ -56,6 +56,7 @@ impl Examples {
     /// The rows of a recording. Contacts with categories that are not trained count as touched, and have no region
     /// rows.
     pub(super) fn of(recording: &Recording, options: &TouchOptions) -> Result<Self, TrialError> {
+        require_truth(recording)?;
         let mut patches = SkinTracker::of_patches(&recording.layout, options)?;
         let (mut tracker, mut objects) = (ObjectTracker::default(), Followed::<Open>::default());
         let mut examples = Examples::default();

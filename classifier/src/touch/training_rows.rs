@@ -52,7 +52,7 @@ impl TouchExamples {
     /// depend on it.
     ///
     /// # Errors
-    /// [`TrialError`] if the patch is unknown, or a frame does not fit.
+    /// [`TrialError`] if there is no ground truth, the patch is unknown, or a frame does not fit.
     pub fn add(&mut self, recording: &Recording) -> Result<(), TrialError> {
         self.reaches.push(Arc::new(Examples::of(recording, &self.options)?));
         Ok(())

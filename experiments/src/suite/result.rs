@@ -3,7 +3,6 @@
 use serde::Serialize;
 use underbrush_classifier::OnlineError;
 use underbrush_classifier::any_model::OnlineModel;
-use underbrush_classifier::evaluate::touch::TouchEvaluation;
 use underbrush_classifier::evaluate::{JudgedObject, Stream, StreamTruth, classify_stream, classify_touch_stream};
 use underbrush_recording::{Fault, GoalOutcomes, Recording};
 use underbrush_sim::ReachPlan;
@@ -196,9 +195,7 @@ fn judged(model: &OnlineModel, recording: &Recording) -> Result<(Stream, Vec<Jud
         OnlineModel::OfTrials(model, options) => {
             (classify_stream(model.classifier.as_ref(), recording, options, StreamTruth::Object)?, Vec::new())
         }
-        OnlineModel::Touch(model) => {
-            (classify_touch_stream(model, recording)?, TouchEvaluation::of(model, recording)?.objects)
-        }
+        OnlineModel::Touch(model) => classify_touch_stream(model, recording)?,
     })
 }
 

@@ -32,7 +32,8 @@ pub use error::DiskError;
 pub(crate) use error::Result;
 pub use files::{check_free, check_not_input, is_folder, is_there, write_file};
 pub use recording_file::{
-    is_recording, read_recording, recording_columns, recording_table, recordings_in, with_recordings, write_recording,
+    is_recording, read_recording, recording_columns, recording_header, recording_table, recordings_in, with_recordings,
+    write_recording,
 };
 pub use table::batch::Batch;
 pub use table::column::{Column, Rows, Text, Values};

@@ -141,13 +141,17 @@ const MAX_REACH_M: f64 = 0.05;
 /// It is the distance between neighbouring centres, because the cover extends across the gaps between taxels and a
 /// little beyond the outermost ones. A taxel's own corners always belong to the skin, even if it has no neighbour.
 pub fn reach_m(taxels: &[Taxel]) -> f64 {
-    let nearest = |index: usize| {
+    let farthest_corner_m = taxels.iter().map(corner_m).fold(0.0, f64::max);
+    nearest_m(taxels).fold(0.0, f64::max).min(MAX_REACH_M).max(farthest_corner_m)
+}
+
+/// Distance from the centre of each taxel to the nearest other one, m; nothing for a single taxel.
+pub fn nearest_m(taxels: &[Taxel]) -> impl Iterator<Item = f64> {
+    let nearest = move |index: usize| {
         let others = taxels.iter().enumerate().filter(|(other, _)| *other != index);
         others.map(|(_, other)| other.position_link.distance(taxels[index].position_link)).fold(f64::INFINITY, f64::min)
     };
-    let farthest_corner_m = taxels.iter().map(corner_m).fold(0.0, f64::max);
-    let distances_m = (0..taxels.len()).map(nearest).filter(|distance| distance.is_finite());
-    distances_m.fold(0.0, f64::max).min(MAX_REACH_M).max(farthest_corner_m)
+    (0..taxels.len()).map(nearest).filter(|distance| distance.is_finite())
 }
 
 /// Distance of the corners of a square taxel from its centre, m.

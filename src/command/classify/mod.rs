@@ -75,16 +75,11 @@ struct TrialVerdict {
     scores: BTreeMap<String, f64>,
 }
 
-impl ClassifyOptions {
-    fn reads_stdin(&self) -> bool {
-        self.input == Path::new("-")
-    }
-}
-
 /// Classifies.
 pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
     let model = any_model::load(&options.model)?;
-    if !options.reads_stdin() && (options.skin.is_some() || options.strict) {
+    let is_stream = options.input == Path::new("-");
+    if !is_stream && (options.skin.is_some() || options.strict) {
         let text = "--skin and --strict are for frames on standard input, `-`; leave them out: a file stores its skin";
         return Err(Failure::usage(text));
     }
@@ -98,7 +93,7 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
         AnyModel::OfTrials(model) => score::by_kind(model, &options.model, options.score, "--score")?,
     };
     options.touch.refuse_for_trials()?;
-    if options.online || options.reads_stdin() {
+    if options.online || is_stream {
         options.cut.refuse_online()?;
         let decision = options.decision.decision(&Scores::of_model(&model))?;
         let settings = OnlineOptions::new(options.cut.patch.clone(), Some(options.cut.threshold_n()), decision);
@@ -106,7 +101,7 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
     }
     let categories = model.classifier.categories();
     let judge = options.decision.decision(&Scores::of_model(&model))?.prepare(&categories)?;
-    let read = input::trials(&options.input, &options.cut)?;
+    let read = input::any_trials(&options.input, &options.cut)?;
     let scores = score::of_trials(&model, &read, &options.input)?;
     let verdicts = read.trials.iter().zip(scores).map(|(trial, scores)| TrialVerdict {
         trial: trial.trial,

@@ -21,7 +21,7 @@ const FRAMES_FOR_RATE: usize = 50;
 /// Prints one line of JSON for each frame.
 pub(super) fn run(options: &ClassifyOptions, model: &OnlineModel) -> Result<(), Failure> {
     let mut online = Online { model, categories: model.categories(), latency: Latency::new(), has_warned: false };
-    if options.reads_stdin() {
+    if options.input == Path::new("-") {
         let layout = match &options.skin {
             Some(path) => layout_of(path)?,
             None => Arm::cody()?.skin.layout,

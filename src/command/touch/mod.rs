@@ -13,7 +13,7 @@ use serde_json::json;
 use underbrush_classifier::ModelError;
 use underbrush_classifier::evaluate::EvaluateError;
 use underbrush_classifier::evaluate::touch_folds::{add_auxiliary, cross_validate_touch, judge_touch, touch_examples};
-use underbrush_classifier::touch::{TouchDecision, TouchExamples, TouchModel, TouchOptions, TouchRows};
+use underbrush_classifier::touch::{TouchDecision, TouchExamples, TouchModel, TouchOptions};
 use underbrush_experiments::dataset::{Campaign, REACHES};
 use underbrush_experiments::model_data;
 use underbrush_recording::disk::{UnfinishedFolder, with_recordings};
@@ -80,18 +80,6 @@ impl RiskArguments {
     }
 }
 
-#[derive(Serialize)]
-struct Trained<'a> {
-    #[serde(serialize_with = "output::path")]
-    model: &'a Path,
-    classifier: &'static str,
-    categories: &'a [String],
-    rows: TouchRows,
-    /// The families of auxiliary unknown objects.
-    families: Vec<&'a str>,
-    decision: TouchDecision,
-}
-
 /// Fits a model to the reaches of these data sets and recordings and writes its file.
 pub fn train(
     paths: &[PathBuf],
@@ -110,32 +98,27 @@ pub fn train(
         None => Ok(paths.to_vec()),
     };
     let paths = &with_recordings(&sets(paths, "known")?)?;
-    let auxiliary = &with_recordings(&sets(auxiliary, "auxiliary")?)?;
-    let all: Vec<PathBuf> = paths.iter().chain(auxiliary).cloned().collect();
-    // The same set cannot be both, so all are opened together first.
-    Reaches::open(&all)?;
-    let mut examples = touch_examples(&Reaches::open(paths)?, options.clone())?;
-    if !auxiliary.is_empty() {
-        add_auxiliary(&mut examples, &Reaches::open(auxiliary)?)?;
-    }
+    let all = [&paths[..], &with_recordings(&sets(auxiliary, "auxiliary")?)?[..]].concat();
+    // The same set cannot be both, so all are opened together.
+    let mut reaches = Reaches::open(&all)?;
+    let data = reaches.data()?;
+    let auxiliary = reaches.split_off(paths.len());
+    let mut examples = touch_examples(&reaches, options.clone())?;
+    add_auxiliary(&mut examples, &auxiliary)?;
     let mut model = fit(&examples, options, limit_wrong).map_err(|failure| about(failure, &given))?;
     model.warn_of_little_data();
-    let sources: Result<Vec<_>, _> = all.iter().map(|path| model_data::of_path(path)).collect();
-    model.provenance = model_data::provenance(json!({ "limit_wrong": limit_wrong }), sources?);
+    model.provenance = model_data::provenance(json!({ "limit_wrong": limit_wrong }), data);
     output::write_file(out, model.save_string()?.as_bytes())?;
-    let trained = Trained {
-        model: out,
-        classifier: "touch",
-        categories: model.categories(),
-        rows: examples.rows(),
-        families: model.families(),
-        decision: model.decision,
-    };
+    let (rows, families, file) = (examples.rows(), model.families(), out.display().to_string());
+    let trained = json!({
+        "model": file, "classifier": "touch", "categories": model.categories(), "rows": rows, "families": families,
+        "decision": model.decision,
+    });
     output::result(json, &trained, || {
-        text::rows(&trained.rows)
-            + &text::families(&trained.families)
-            + &text::decision(&trained.decision, model.least_unknown_share())
-            + &format!("Model written to {}", out.display())
+        text::rows(&rows)
+            + &text::families(&families)
+            + &text::decision(&model.decision, model.least_unknown_share())
+            + &format!("Model written to {file}")
     })
 }
 

@@ -7,9 +7,10 @@ use std::time::Instant;
 use underbrush_recording::{Category, Frame, Recording};
 
 use super::super::prediction::is_right;
+use super::super::touch_object::{JudgedObject, OpenObject};
 use super::{NOTHING, Stream, StreamContact, StreamFrame, StreamTruth, Tally};
 use crate::decision::Verdict;
-use crate::touch::{Touch, TouchClassifier, TouchModel};
+use crate::touch::{Followed, Touch, TouchClassifier, TouchModel};
 use crate::{Classifier, OnlineClassifier, OnlineError, OnlineOptions, TrialError};
 
 /// A verdict on a taxel in contact.
@@ -57,18 +58,24 @@ pub fn classify_stream(
     })
 }
 
-/// Like [`classify_stream`], but by a touch model, on all patches that it judges. Something unlike all known categories counts as
-/// an outlier.
+/// Like [`classify_stream`], but by a touch model, on all patches that it judges, with the objects that it tells apart there.
+/// Something unlike all known categories counts as an outlier.
 ///
 /// # Errors
 /// [`TrialError`] if the skin lacks the model's patch, or a frame does not fit.
-pub fn classify_touch_stream(model: &Arc<TouchModel>, recording: &Recording) -> Result<Stream, TrialError> {
+pub fn classify_touch_stream(
+    model: &Arc<TouchModel>,
+    recording: &Recording,
+) -> Result<(Stream, Vec<JudgedObject>), TrialError> {
     let mut classifier = TouchClassifier::new(Arc::clone(model), &recording.layout)?;
     let categories = model.categories();
     let stream = Stream::new(categories, &[NOTHING], recording, StreamTruth::Object);
     let patches = model.options().judged_patches(&recording.layout);
-    stream.judged_by(recording, &patches, StreamTruth::Object, |frame, judged| {
+    let (mut objects, mut frames) = (Followed::<OpenObject>::default(), 0);
+    let stream = stream.judged_by(recording, &patches, StreamTruth::Object, |frame, judged| {
         classifier.update(frame)?;
+        objects.judge(&classifier, frames, recording);
+        frames += 1;
         judged.extend(classifier.taxels().iter().map(|taxel| Judged {
             place: (taxel.patch, taxel.taxel),
             samples: taxel.samples,
@@ -79,8 +86,9 @@ pub fn classify_touch_stream(model: &Arc<TouchModel>, recording: &Recording) -> 
                 Touch::Nothing => categories.len() + 2,
             },
         }));
-        Ok(())
-    })
+        Ok::<(), TrialError>(())
+    })?;
+    Ok((stream, objects.judged(recording)))
 }
 
 /// Which objects truly press on the taxels of some patches in one frame, by [`Judged::place`].

@@ -3,6 +3,7 @@ use std::sync::Arc;
 use underbrush_recording::{Category, TaxelReading};
 
 use super::*;
+use crate::any_model::OnlineModel;
 use crate::error::ModelError;
 use crate::evaluate::classify_touch_stream;
 use crate::evaluate::touch::TouchEvaluation;
@@ -92,14 +93,15 @@ fn contacts_of_one_object_are_told_apart() {
     assert!(frames > 50, "{frames}");
 }
 
-/// Tests that the verdicts on a reach that is judged for a suite are those of the evaluation, counted by truth, and
-/// that the spurious taxel is counted separately.
+/// Tests that the verdicts on a reach that is judged for a suite are those of the evaluation, counted by truth, that the
+/// spurious taxel is counted separately, and that the objects are those of the evaluation.
 #[test]
 fn streams_count_what_evaluations_count() {
     let model = Arc::new(examples().fit(None).unwrap());
     let reach = presses(0, 33.0, 0.035, 0.06);
     let evaluation = TouchEvaluation::of(&model, &reach).unwrap();
-    let stream = classify_touch_stream(&model, &reach).unwrap();
+    let (stream, objects) = classify_touch_stream(&model, &reach).unwrap();
+    assert_eq!(objects, evaluation.objects);
     assert_eq!(stream.verdicts, ["leaf", "trunk", "uncertain", "outlier", "nothing"]);
     let leaf = stream.tally_of(Category::LEAF);
     let expected = evaluation.tallies[1];
@@ -128,7 +130,7 @@ fn streams_count_all_judged_patches() {
         frame.taxels.extend(frame.taxels.clone().into_iter().map(|reading| TaxelReading { patch: 1, ..reading }));
     }
     let count = |reach: &Recording| {
-        let stream = classify_touch_stream(&model, reach).unwrap();
+        let (stream, _) = classify_touch_stream(&model, reach).unwrap();
         let leaf = stream.tally_of(Category::LEAF);
         let right = TouchEvaluation::of(&model, reach).unwrap().tallies[1].right;
         assert_eq!(leaf.correct, right);
@@ -216,4 +218,11 @@ fn early_objects_must_be_more_unlike() {
     ] {
         assert_eq!(decision.of_region(&[0.1, 0.9], share_beyond, samples), expected, "{samples}, {share_beyond}");
     }
+}
+
+/// Tests that a patch is refused for a model of all patches, with that reason.
+#[test]
+fn a_model_of_all_patches_takes_no_patch() {
+    let error = OnlineModel::of_touch(examples().fit(None).unwrap(), Some("forearm")).unwrap_err().to_string();
+    assert!(error.contains("judges all patches of a skin"), "{error}");
 }
