@@ -159,8 +159,9 @@ macro_rules! files {
 }
 
 /// A data set of one reach of the seeds, without its checksums.
-const SET: [(&str, &[u8]); 16] = files![
+pub const SET: [(&str, &[u8]); 17] = files![
     "README.md",
+    "controller/map/chunk-000/file-000.parquet",
     "data/chunk-000/file-000.parquet",
     "meta/episodes/chunk-000/file-000.parquet",
     "meta/info.json",

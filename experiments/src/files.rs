@@ -73,9 +73,10 @@ impl Source<'_> {
         parse_toml(self.path, self.text, kind, &format!("the keys that `underbrush schema {kind}` lists"))
     }
 
-    /// A field whose value has this text in it.
+    /// A field with this value, or else one whose value has this text in it.
     pub fn field(&self, name: &str, value: &str) -> Field {
-        self.found(name, &|text| text.contains(value))
+        let whole = self.found(name, &|text| text.trim_matches(['"', '\'']) == value);
+        if whole.line.is_some() { whole } else { self.found(name, &|text| text.contains(value)) }
     }
 
     /// An error about the field with this value.

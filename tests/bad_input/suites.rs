@@ -138,6 +138,14 @@ fn nothing_to_check() {
     refuses(&twice, Some(3), &["scene files with different names"]);
 }
 
+/// Tests that an error names the line of the value, and not that of another one in which its text occurs.
+#[test]
+fn lines_are_those_of_whole_values() {
+    let twelve = SUITE.replace("reaches = 2", "reaches = 12");
+    let more = format!("{twelve}[[scenes]]\nscene = \"other.toml\"\nreaches = 1\n");
+    refuses(&more, Some(9), &["scenes.reaches", "2 to 100000 reaches"]);
+}
+
 /// Tests that a suite or a scene that cannot be read is named, and that the remaining suites are not run, nor two of one
 /// name.
 #[test]

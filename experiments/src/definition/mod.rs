@@ -97,7 +97,7 @@ impl Experiment {
         check_labels(&file, &scenes, &source)?;
         let mut stems = BTreeSet::new();
         if let Some((path, _)) = scenes.iter().find(|(_, scene)| !stems.insert(scene.name.clone())) {
-            let allowed = "scene files with different names: the name decides what is drawn";
+            let allowed = "scene files with different names, by which results are told apart";
             let field = names.iter().find(|(name, _)| name == path).map_or("scene", |(_, field)| field);
             return Err(source.fault(field, path, allowed));
         }

@@ -7,7 +7,7 @@ use underbrush_recording::{Category, InputError, PLAIN, is_plain};
 use underbrush_sim::scene::Scene;
 
 use super::SceneBound;
-use super::file::{BlessSection, Bound, Bounds, Entry, SuiteFile};
+use super::file::{BlessSection, Bound, Bounds, Entry, SceneEntry, SuiteFile};
 use super::metric::{METRICS, Metric};
 use crate::files::Source;
 
@@ -22,10 +22,9 @@ pub fn numbers(file: &SuiteFile, source: &Source) -> Result<(), InputError> {
     if file.scenes.is_empty() {
         return Err(source.field("scenes", "").fault("no scenes", "at least one [[scenes]]"));
     }
-    for scene in &file.scenes {
+    for SceneEntry { reaches, .. } in &file.scenes {
         let allowed = format!("2 to {MAX_REACHES} reaches: one alone does not show how much they vary");
-        let holds = (2..=MAX_REACHES).contains(&scene.reaches);
-        source.check(holds, "scenes.reaches", &scene.reaches.to_string(), &allowed)?;
+        source.check((2..=MAX_REACHES).contains(reaches), "scenes.reaches", &reaches.to_string(), &allowed)?;
     }
     let BlessSection { false_alarm, largest_factor } = file.bless;
     let (alarm_holds, factor_holds) = ((1e-9..=0.5).contains(&false_alarm), (1.0..=1000.0).contains(&largest_factor));

@@ -103,7 +103,7 @@ impl Suite {
         for entry in &file.scenes {
             let scene = scene(&file, entry, folder, &source, model.as_ref())?;
             if !names.insert(scene.plan.scene.name.clone()) {
-                let allowed = "scene files with different names: the name decides what is drawn";
+                let allowed = "scene files with different names, by which results are told apart";
                 return Err(source.fault("scenes.scene", &entry.scene, allowed).into());
             }
             scenes.push(scene);
