@@ -105,7 +105,7 @@ pub struct PressFit {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PressError {
     /// Too few samples under load.
-    #[error("{0} samples have depth and force above 0; a fit needs at least 20")]
+    #[error("a fit needs at least 20 samples with depth and force above 0, outside of holds; there are {0}")]
     FewSamples(usize),
     /// The terms cannot be told apart.
     #[error("stiffness, hardening and loss cannot be told apart: press to several depths and at two speeds")]

@@ -138,10 +138,9 @@ pub fn exceeded_bounds(audit: &Audit, layout: &SkinLayout) -> Vec<String> {
 /// Warnings about reaches of a data set that exceed a bound of the audit, with the worst value, and about skin that nothing
 /// touched.
 pub fn warnings(episodes: &[Episode], layout: &SkinLayout) -> Vec<String> {
-    let audited = episodes.iter().map(|own| (own.scene.as_str(), own.reach_index, &own.audit));
+    let audited: Vec<Audited> = episodes.iter().map(|own| (own.scene.as_str(), own.reach_index, &own.audit)).collect();
     let touched = episodes.iter().flat_map(|episode| episode.touched_frames.values());
-    let untouched = untouched(touched, episodes.len(), layout);
-    passed_bounds(&audited.collect::<Vec<_>>(), layout).into_iter().chain(untouched).collect()
+    passed_bounds(&audited, layout).into_iter().chain(untouched(touched, episodes.len(), layout)).collect()
 }
 
 /// Warnings about the bounds of the audit that a single reach exceeds, and about skin that nothing touched.

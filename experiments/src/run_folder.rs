@@ -9,6 +9,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use underbrush_recording::Fault;
+use underbrush_recording::disk::is_there;
 
 use crate::dataset::PROGRAM_VERSION;
 use crate::files::{self, storage};
@@ -61,22 +62,22 @@ impl Plan {
     /// When the folder holds the results of another plan, or files under the names of results but no plan, or cannot be
     /// written; with `force`, also when another process is at work in it.
     pub fn settle(&self, out: &Path, force: bool) -> Result<File, Fault> {
-        if FOLDERS.iter().chain(&FILES).any(|name| out.join(name).exists()) {
+        let place = out.display();
+        let found = FOLDERS.iter().chain(&FILES).map(|name| is_there(&out.join(name)));
+        if found.collect::<Result<Vec<_>, _>>()?.contains(&true) {
             let stored = Plan::stored(out)?;
             if !force {
                 return match self.difference(&stored) {
                     None => in_use(out),
                     Some(difference) => Err(Fault::Usage(format!(
-                        "{}: holds the results of another run: {difference}; choose another folder with --out, or replace \
-                         them with --force",
-                        out.display()
+                        "{place}: holds the results of another run: {difference}; choose another folder with --out, or \
+                         replace them with --force"
                     ))),
                 };
             }
             if in_use(out)?.try_lock().is_err() {
                 return Err(Fault::Usage(format!(
-                    "{}: another process is at work in this folder; wait for it, or choose another folder with --out",
-                    out.display()
+                    "{place}: another process is at work in this folder; wait for it, or choose another folder with --out"
                 )));
             }
             clear(out)?;
@@ -125,14 +126,14 @@ fn in_use(out: &Path) -> Result<File, Fault> {
 }
 
 fn clear(out: &Path) -> Result<(), Fault> {
-    let remove = |path: &Path| match path {
-        _ if !path.exists() => Ok(()),
-        _ if path.is_dir() => std::fs::remove_dir_all(path),
-        _ => std::fs::remove_file(path),
-    };
     for name in FOLDERS.iter().chain(&FILES) {
         let path = out.join(name);
-        remove(&path).map_err(storage(&path, "remove"))?;
+        let removed = if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
+        if let Err(error) = removed
+            && error.kind() != ErrorKind::NotFound
+        {
+            return Err(storage(&path, "remove")(error));
+        }
     }
     Ok(())
 }

@@ -25,7 +25,7 @@ use std::fmt::Display;
 
 use underbrush_experiments::audit::Worst;
 use underbrush_experiments::experiment::training_data::Reaches;
-use underbrush_experiments::results::Results;
+use underbrush_experiments::results::{Results, Timing};
 use underbrush_recording::Fault;
 
 use accuracy_chart::{AccuracyChart, lowest, square_chart};
@@ -64,19 +64,16 @@ impl Written {
 /// Program, seed, machine and wall times.
 fn what_was_run(report: &mut Report) {
     let results = report.results;
-    let timing = &results.timing;
+    let Timing { processor, cores, threads, wall_s, stages, .. } = &results.timing;
     report.page.section("What was run");
     let size = if results.quick { ", with fewer reaches (--quick)" } else { "" };
     report.page.list([
         format!("program: underbrush {}", results.program),
         format!("experiment: {}", results.experiment),
         format!("{}{size}", seeds(&results.seeds())),
-        format!(
-            "machine: {}, {} cores, {} threads used; {:.0} s in all",
-            timing.processor, timing.cores, timing.threads, timing.wall_s
-        ),
+        format!("machine: {processor}, {cores} cores, {threads} threads used; {wall_s:.0} s in all"),
     ]);
-    let times = Rows::of(&timing.stages).column("stage", |own| own.0).number("seconds", 1, |own| own.1);
+    let times = Rows::of(stages).column("stage", |own| own.0).number("seconds", 1, |own| own.1);
     report.table(times.table("stage_times", "Wall time"));
 }
 

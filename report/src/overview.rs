@@ -165,12 +165,11 @@ fn why(report: &Report, comparison: &Comparison) -> Vec<String> {
     let parts: Vec<[f64; 2]> = parts.map(|parts| parts.map(|part| part.accuracy)).collect();
     if !parts.is_empty() {
         let [touched, nothing] = [0, 1].map(|side| parts.iter().map(|own| own[side]).sum::<f64>() / parts.len() as f64);
+        let (share, seed) = (100.0 * untouched as f64 / trials.max(1) as f64, report.results.seed);
         why.push(format!(
-            "Nothing touched the skin in {:.0} % of the trials of seed {}: they are readings of the sensor alone, labelled by their \
+            "Nothing touched the skin in {share:.0} % of the trials of seed {seed}: they are readings of the sensor alone, labelled by their \
              scene as on the robot. {nothing:.0} % of them are classified as labelled, and {touched:.0} % of the others (means \
-             over the cells of the table).",
-            100.0 * untouched as f64 / trials.max(1) as f64,
-            report.results.seed
+             over the cells of the table)."
         ));
     }
     if report.results.quick {

@@ -152,7 +152,7 @@ fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
     output::result(json, &report, || {
         let held = if files.held.is_empty() { String::new() } else { format!("; held: {}", files.held.join(", ")) };
         let (out, skin, scene) = (out.display(), skin.display(), scene.display());
-        let (joints, links) = (files.arm.joints.len(), links.join(", "));
+        let (joints, links) = (output::counted(files.arm.joints.len(), "joint", "joints"), links.join(", "));
         let quote = if out.to_string().contains(' ') { "\"" } else { "" };
         let hulls = output::counted(files.hulls, "hull", "hulls");
         let wrote = match keeps_skin {
@@ -160,7 +160,7 @@ fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
             false => format!("{out}, {skin} and {scene}"),
         };
         format!(
-            "Wrote {wrote}.\n{joints} joints{held}\nlinks: {links}\n\
+            "Wrote {wrote}.\n{joints}{held}\nlinks: {links}\n\
              {hulls}; meshes stand out at most {outside_mm:.1} mm\n\
              Next: underbrush arm skin {quote}{out}{quote} --link LINK --pitch-mm 10 --patch NAME\n"
         )
@@ -191,6 +191,7 @@ fn skin(options: SkinOptions, json: bool) -> Result<(), Failure> {
         let left_out =
             if covered.left_out == 0 { String::new() } else { format!("; {} {unit} left out", covered.left_out) };
         let doubts: String = doubts.iter().map(|doubt| format!("doubtful: {doubt}\n")).collect();
-        format!("Patch {} in {}: {taxels} taxels{grid}{left_out}\n{doubts}", new.name, covered.path.display())
+        let taxels = output::counted(taxels, "taxel", "taxels");
+        format!("Patch {} in {}: {taxels}{grid}{left_out}\n{doubts}", new.name, covered.path.display())
     })
 }

@@ -4,11 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use underbrush_classifier::recipe::STATES;
 use underbrush_classifier::{ModelError, Recipe, is_trained};
-use underbrush_recording::{Category, InputError};
+use underbrush_recording::{Category, InputError, PLAIN, is_plain};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::scene::{RobotSection, Scene, limits};
 
-use super::file::{ClassifierEntry, ExperimentFile, Published, Setting, ThresholdSection};
+use super::file::{AblationName, ClassifierEntry, ExperimentFile, Published, Setting, ThresholdSection};
 use crate::files::Source;
 
 /// Checks the rules that the types of the keys do not express.
@@ -74,12 +74,20 @@ macro_rules! names {
     ($($name:ident: $result:ident,)*) => { [$(stringify!($name)),*] };
 }
 
-/// Checks the published numbers with which others are divided, and the names of sections.
+/// Checks the published numbers, and the names of sections.
 fn check_published(published: &Published, source: &Source) -> Result<(), InputError> {
-    for own in &published.trials {
-        for (name, value) in [("published.trials.trials", own.trials), ("published.trials.reaches", own.reaches)] {
-            source.check_number(value > 0.0 && value.is_finite(), name, value, "a finite number over 0")?;
-        }
+    let trials = published.trials.iter();
+    let trials = trials.flat_map(|own| [("trials.trials", own.trials), ("trials.reaches", own.reaches)]);
+    let samples = published.samples_used.map(|own| ("samples_used", own));
+    let seconds = published.seconds_per_100_taxels.map(|own| ("seconds_per_100_taxels", own));
+    for (name, value) in trials.chain(samples).chain(seconds) {
+        let name = format!("published.{name}");
+        source.check_number(value > 0.0 && value.is_finite(), &name, value, "a finite number over 0")?;
+    }
+    let percents = published.accuracy.iter().map(|own| ("published.accuracy.percent", own.percent));
+    let best = published.best_accuracy_percent.map(|own| ("published.best_accuracy_percent", own));
+    for (name, value) in percents.chain(best) {
+        source.check_number((0.0..=100.0).contains(&value), name, value, "0 to 100 per cent")?;
     }
     let names = crate::for_each_experiment!(names);
     let unknown = published.sections.keys().find(|name| !names.contains(&name.as_str()));
@@ -88,14 +96,15 @@ fn check_published(published: &Published, source: &Source) -> Result<(), InputEr
     Err(field.fault(name, format!("the name of a section: {}", names.join(", "))))
 }
 
-/// Checks that nothing that names a row or a column of a table is in the file twice.
+/// Checks that what names a row or a column of a table is fit for one, and in the file only once.
 fn check_names(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
     let of_entries =
         |entries: &[ClassifierEntry]| -> Vec<String> { entries.iter().map(|entry| entry.name.clone()).collect() };
     let recipes = file.recipes.iter().map(|recipe| recipe.name().to_owned());
     let ablation = file.ablation.iter().map(|own| serde_json::json!(own).as_str().unwrap_or_default().to_owned());
     let training = file.training.iter().map(|own| own.scene.clone());
-    let names: [(&str, Vec<String>); 8] = [
+    let names: [(&str, Vec<String>); 9] = [
+        ("title", vec![file.title.clone()]),
         // The same reaches would be in several folds.
         ("training.scene", training.collect()),
         ("truncations", file.truncations.iter().map(usize::to_string).collect()),
@@ -107,6 +116,9 @@ fn check_names(file: &ExperimentFile, source: &Source) -> Result<(), InputError>
         ("settings.name", file.settings.iter().map(|setting| setting.name.clone()).collect()),
     ];
     for (field, names) in names {
+        if let Some(name) = names.iter().find(|name| name.is_empty() || !is_plain(name)) {
+            return Err(source.fault(field, &format!("{name:?}"), format!("{PLAIN}, not empty")));
+        }
         let mut known = BTreeSet::new();
         if let Some(twice) = names.iter().find(|name| !known.insert(name.as_str())) {
             let allowed = "each only once: it names a result";
@@ -116,7 +128,7 @@ fn check_names(file: &ExperimentFile, source: &Source) -> Result<(), InputError>
     Ok(())
 }
 
-/// Checks that labels are categories of objects if verdicts are compared with objects.
+/// Checks that labels are categories of objects if verdicts are compared with objects, or trials are labelled by them.
 pub fn check_labels(
     file: &ExperimentFile,
     scenes: &BTreeMap<String, Scene>,
@@ -124,23 +136,26 @@ pub fn check_labels(
 ) -> Result<(), InputError> {
     let is_tested = [&file.general, &file.outlier, &file.second_outlier].iter().any(|own| own.is_some());
     let online = !file.engineered.is_empty() || is_tested || file.verdicts.is_some();
+    let by_objects = online || file.ablation.contains(&AblationName::LabelsByContact);
     let mut labels = file.training.iter().map(|own| own.label.as_str());
-    let unknown = labels.find(|label| online && category(scenes, label).is_none());
-    let allowed = "the category of an object: verdicts are held against what presses on each taxel";
+    let unknown = labels.find(|label| by_objects && category(scenes, label).is_none());
+    let allowed = "the category of an object: verdicts and labels by contact follow what presses on each taxel";
     source.check(unknown.is_none(), "training.label", unknown.unwrap_or_default(), allowed)
 }
 
-/// Checks that the skin of every arm has the patch, if the file names one.
+/// Checks that the skin of every arm has the patch that the file names, or any if it names none.
 pub fn check_patch<'a>(
     file: &ExperimentFile,
     arms: impl IntoIterator<Item = &'a Arm>,
     source: &Source,
 ) -> Result<(), InputError> {
-    let Some(patch) = file.trials.patch.as_deref() else { return Ok(()) };
-    let without = |arm: &&Arm| arm.skin.layout.patch_index(patch).is_none();
+    let patch = file.trials.patch.as_deref();
+    let without = |arm: &&Arm| arm.skin.layout.chosen_patch(patch).is_none();
     let Some(arm) = arms.into_iter().find(without) else { return Ok(()) };
     let names: Vec<&str> = arm.skin.layout.patches.iter().map(|patch| patch.name.as_str()).collect();
-    Err(source.fault("trials.patch", patch, format!("a patch of the skin of {}: {}", arm.name, names.join(", "))))
+    let has = if names.is_empty() { "none, so there is nothing to classify".into() } else { names.join(", ") };
+    let allowed = format!("a patch of the skin of {}, which has {has}", arm.name);
+    Err(source.fault("trials.patch", patch.unwrap_or("no patch"), allowed))
 }
 
 /// The category with this name: a built-in one, or the category of an object in the scenes.

@@ -130,7 +130,7 @@ impl TrainingScene {
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EngineeredScene {
-    /// Scene file, relative to this file.
+    /// Scene file, relative to this file. Its objects, or its `stream`, differ from those of the training scenes.
     pub scene: String,
     /// Category that the skin must touch, and nothing else: a label of the training scenes.
     pub label: String,
@@ -147,7 +147,7 @@ fn default_draws() -> u64 {
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TestScene {
-    /// Scene file, relative to this file.
+    /// Scene file, relative to this file. Its objects, or its `stream`, differ from those of the training scenes.
     pub scene: String,
     /// Number of reaches to test on.
     pub reaches: usize,

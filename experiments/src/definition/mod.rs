@@ -101,6 +101,14 @@ impl Experiment {
             let field = names.iter().find(|(name, _)| name == path).map_or("scene", |(_, field)| field);
             return Err(source.fault(field, path, allowed));
         }
+        // The indices of test reaches begin at 0, as those of the training reaches do, and the clutter of a stream is the same.
+        let is_trained =
+            |path: &str| file.training.iter().any(|own| scenes[own.scene.as_str()].stream == scenes[path].stream);
+        let tests = ["engineered.scene", "general.scene", "outlier.scene", "second_outlier.scene"];
+        if let Some((path, field)) = names.iter().find(|(path, field)| tests.contains(field) && is_trained(path)) {
+            let allowed = "other objects than those of training, or a `stream` of its own: its reaches are trained on";
+            return Err(source.fault(field, path, allowed));
+        }
         let folder = path.parent().unwrap_or(Path::new(""));
         let load_arm =
             |arm: &String| Arm::load(folder.join(arm)).map_err(|error| source.field("arm", arm).named(error));

@@ -85,12 +85,13 @@ fn searches_in_one_scene_are_kept_apart() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
     file("leaves.toml", scenes::LEAVES_AT_FOREARM);
+    file("other-leaves.toml", &format!("stream = \"other\"\n{}", scenes::LEAVES_AT_FOREARM));
     file("trunks.toml", scenes::FEW_TRUNKS);
     file(
         "small.toml",
         r#"title = "Small"
 training = [
-    { scene = "leaves.toml", label = "leaf", reaches = 2 },
+    { scene = "other-leaves.toml", label = "leaf", reaches = 2 },
     { scene = "trunks.toml", label = "trunk", reaches = 2 },
 ]
 engineered = [

@@ -149,12 +149,10 @@ pub(super) fn blessed_text(suite: &Suite, result: &SuiteResult) -> Result<String
     for (scene, (own, found)) in all() {
         let bound = new_bound(suite, own, found, probability).ok_or_else(|| {
             let path = scene.plan.scene.path.display();
-            let BoundResult { name, values, .. } = found;
+            let (name, measured, reaches) = (&found.name, found.values.len(), scene.reaches);
             Fault::Usage(format!(
-                "{path}: {name} was measured in {} of {} reaches, and a bound takes two; nothing was written. Add reaches, \
-                 change the scene, or remove the bound",
-                values.len(),
-                scene.reaches
+                "{path}: {name} was measured in {measured} of {reaches} reaches, and a bound takes two; nothing was written. Add \
+                 reaches, change the scene, or remove the bound"
             ))
         })?;
         changes.push((own.span.clone(), written(&bound)));

@@ -194,6 +194,8 @@ fn numbers_and_patch_are_checked_when_the_file_is_read() {
             "0",
             "a finite number over 0",
         ),
+        ("[published]\nbest_accuracy_percent = nan", 14, "published.best_accuracy_percent", "NaN", "0 to 100"),
+        ("[published]\nsamples_used = -3.0", 14, "published.samples_used", "-3", "a finite number over 0"),
         (
             "[published.sections.tabel_one]\nstatement = \"Taxels are told apart.\"",
             13,
@@ -202,6 +204,16 @@ fn numbers_and_patch_are_checked_when_the_file_is_read() {
             "training_data, table_one,",
         ),
         ("[trials]\npatch = \"nosuch\"", 14, "trials.patch", "nosuch", "forearm, flipper"),
+        // The reaches of this scene are trained on.
+        ("[general]\nscene = \"one.toml\"\nreaches = 1", 15, "general.scene", "one.toml", "a `stream` of its own"),
+        (
+            "[[classifiers]]\nname = \"a\\nb\"\nmethod = \"naive-bayes\"",
+            15,
+            "classifiers.name",
+            "\"a\\nb\"",
+            "control characters",
+        ),
+        ("[[classifiers]]\nname = \"\"\nmethod = \"naive-bayes\"", 15, "classifiers.name", "\"\"", "not empty"),
         ("[controllers]\nscene = \"one.toml\"\nreaches = 0", 15, "controllers.reaches", "0", "1 to 1000000"),
         ("[verdicts]\nscene = \"one.toml\"\nreaches = 1000001", 15, "verdicts.reaches", "1000001", "1 to 1000000"),
         (
@@ -276,8 +288,26 @@ fn labels_are_categories_where_reaches_are_judged_by_objects() {
     let (_folder, path) = written(&bamboo);
     Experiment::load(&path).unwrap();
     let judged = format!("{bamboo}\n[general]\nscene = \"other.toml\"\nreaches = 1\n");
-    let error = error(&judged);
-    assert!(error.found.contains("bamboo") && error.allowed.contains("the category of an object"), "{error}");
+    let by_contact = bamboo.replace("[5]", "[5]\nablation = [\"labels_by_contact\"]");
+    for text in [judged, by_contact] {
+        let error = error(&text);
+        assert!(error.found.contains("bamboo") && error.allowed.contains("the category of an object"), "{error}");
+    }
+}
+
+/// Tests that an experiment whose arm has no skin is refused when it is read.
+#[test]
+fn an_arm_without_skin_is_refused() {
+    let (folder, path) = written(SMALL);
+    let cody = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../sim/arms/cody");
+    for name in ["cody.toml", "cody.urdf", "cody.skin.toml"] {
+        let text = std::fs::read_to_string(cody.join(name)).unwrap();
+        let text = if name == "cody.skin.toml" { text.split("[[patch]]").next().unwrap() } else { &text };
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    std::fs::write(&path, format!("arm = \"cody.toml\"\n{SMALL}")).unwrap();
+    let error = Experiment::load(&path).unwrap_err();
+    assert_eq!((error.field.as_str(), error.found.as_str()), ("trials.patch", "no patch"), "{error}");
 }
 
 /// Tests that the hash of an experiment follows its file and the scenes that it names.

@@ -102,11 +102,10 @@ impl<'a> Canvas<'a> {
             let Some((x, y)) = plot.x_px(point.x).zip(plot.y_px(point.y)) else { continue };
             let ends = point.interval.and_then(|(low, high)| plot.y_px(low).zip(plot.y_px(high)));
             if let Some((low, high)) = ends {
+                let (left, colour) = (x - 5.0, style.colour);
                 let _ = writeln!(
                     self.svg,
-                    "<path d=\"M{x:.1} {low:.1}V{high:.1}m-5 0h10M{:.1} {low:.1}h10\" stroke=\"{}\" stroke-width=\"1.6\" fill=\"none\"/>",
-                    x - 5.0,
-                    style.colour
+                    "<path d=\"M{x:.1} {low:.1}V{high:.1}m-5 0h10M{left:.1} {low:.1}h10\" stroke=\"{colour}\" stroke-width=\"1.6\" fill=\"none\"/>"
                 );
             }
             let mark = style.mark.unwrap_or(Mark::Circle);
@@ -146,11 +145,10 @@ impl<'a> Canvas<'a> {
         }
         let mut outline = corners(&high);
         outline.extend(corners(&low).into_iter().rev());
+        let (points, colour) = (listed(&outline), style.colour);
         let _ = writeln!(
             self.svg,
-            "<polygon points=\"{}\" fill=\"{fill}\" stroke=\"{}\" stroke-width=\"0.8\" stroke-linejoin=\"round\"/>",
-            listed(&outline),
-            style.colour
+            "<polygon points=\"{points}\" fill=\"{fill}\" stroke=\"{colour}\" stroke-width=\"0.8\" stroke-linejoin=\"round\"/>"
         );
     }
 
@@ -170,11 +168,10 @@ impl<'a> Canvas<'a> {
         let _ = writeln!(self.svg, "<path d=\"M{LEFT} {middle:.1}H{:.1}\" stroke=\"#d8dce0\"/>{text}", WIDTH - RIGHT);
         for (from, to) in bands {
             let Some((left, right)) = self.plot.x_px(*from).zip(self.plot.x_px(*to)) else { continue };
+            let (width, colour) = ((right - left).max(0.5), style.colour);
             let _ = writeln!(
                 self.svg,
-                "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{height}\" fill=\"{fill}\" stroke=\"{}\" stroke-width=\"0.8\"/>",
-                (right - left).max(0.5),
-                style.colour
+                "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height}\" fill=\"{fill}\" stroke=\"{colour}\" stroke-width=\"0.8\"/>"
             );
         }
     }

@@ -166,14 +166,11 @@ impl Mark {
             Mark::Square => path(format!("m{0:.1} {0:.1}h{1:.1}v{1:.1}h{2:.1}", -0.88 * r, 1.76 * r, -1.76 * r)),
             Mark::Triangle => path(format!("m0 {:.1}l{:.1} {:.1}h{:.1}", -1.1 * r, 1.05 * r, 1.9 * r, -2.1 * r)),
             Mark::Diamond => path(format!("m0 {0:.1}l{1:.1} {1:.1}l{0:.1} {1:.1}l{0:.1} {0:.1}", -1.2 * r, 1.2 * r)),
-            Mark::Cross => format!(
-                "<path d=\"M{:.1} {:.1}l{2:.1} {2:.1}m0 {3:.1}l{3:.1} {2:.1}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{4:.1}\"/>",
-                x - 0.8 * r,
-                y - 0.8 * r,
-                1.6 * r,
-                -1.6 * r,
-                0.6 * r
-            ),
+            Mark::Cross => {
+                let (left, top, there, back, width) = (x - 0.8 * r, y - 0.8 * r, 1.6 * r, -1.6 * r, 0.6 * r);
+                let data = format!("M{left:.1} {top:.1}l{there:.1} {there:.1}m0 {back:.1}l{back:.1} {there:.1}");
+                format!("<path d=\"{data}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width:.1}\"/>")
+            }
         }
     }
 }

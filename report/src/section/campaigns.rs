@@ -1,6 +1,6 @@
 //! Several independent campaigns: mean and spread.
 
-use underbrush_experiments::accuracy::Figures;
+use underbrush_experiments::accuracy::{Figures, Spread};
 use underbrush_experiments::experiment::campaigns::{CampaignFigures, Campaigns, ComparedCampaigns};
 use underbrush_experiments::table_cell::{self, unit_name};
 
@@ -92,18 +92,11 @@ fn classifiers_table(campaigns: &Campaigns, published: Option<f64>) -> Table {
 
 /// Figures over campaigns: mean, standard deviation, minimum and maximum of the accuracy, then mean and standard
 /// deviation of the balanced accuracy and of the majority baseline.
-fn campaign_cells(own: &CampaignFigures) -> [Cell; 8] {
+fn campaign_cells(own: &CampaignFigures) -> Vec<Cell> {
     let Figures { accuracy, balanced_accuracy, majority_baseline } = &own.all;
-    [
-        Cell::Number(accuracy.mean, 1),
-        Cell::optional(accuracy.standard_deviation, 1),
-        Cell::Number(accuracy.min, 1),
-        Cell::Number(accuracy.max, 1),
-        Cell::Number(balanced_accuracy.mean, 1),
-        Cell::optional(balanced_accuracy.standard_deviation, 1),
-        Cell::Number(majority_baseline.mean, 1),
-        Cell::optional(majority_baseline.standard_deviation, 1),
-    ]
+    let of = |own: &Spread| [Cell::Number(own.mean, 1), Cell::optional(own.standard_deviation, 1)];
+    let ends = [accuracy.min, accuracy.max].map(|end| Cell::Number(end, 1));
+    [of(accuracy), ends, of(balanced_accuracy), of(majority_baseline)].concat()
 }
 
 /// Column names of [`campaign_cells`] in tables of the page.

@@ -114,11 +114,10 @@ fn speeds(speeds: &[Speed], min_samples: usize) -> String {
         });
         format!("{classifier}: {early} after 12 samples, {last} at the end")
     };
+    let [lasting, all] = [&first.lasting_contacts, &first.all_contacts].map(|own| count(own));
+    let rows = joined(speeds.iter().map(row), "; ");
     format!(
-        "{} of {} contacts last {min_samples} samples or more. Accuracy on the longer ones and on all: {}.",
-        count(&first.lasting_contacts),
-        count(&first.all_contacts),
-        joined(speeds.iter().map(row), "; ")
+        "{lasting} of {all} contacts last {min_samples} samples or more. Accuracy on the longer ones and on all: {rows}."
     )
 }
 

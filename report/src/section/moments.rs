@@ -155,14 +155,12 @@ pub fn skin_map(
             svg += &mark.svg(x + CELL_PX / 2.0, y + CELL_PX / 2.0, 8.0, colour);
         }
     }
-    let patch = escape(patch);
+    let (patch, below, bottom) = (escape(patch), height - 8.0, top + grid.rows as f64 * CELL_PX);
     let _ = writeln!(
         svg,
-        "<text x=\"{LEFT}\" y=\"{:.1}\">columns, around the {patch}</text>\
+        "<text x=\"{LEFT}\" y=\"{below:.1}\">columns, around the {patch}</text>\
          <text transform=\"translate(20 {top}) rotate(-90)\" text-anchor=\"end\">hand</text>\
-         <text transform=\"translate(20 {:.1}) rotate(-90)\">elbow</text>\n</svg>",
-        height - 8.0,
-        top + grid.rows as f64 * CELL_PX
+         <text transform=\"translate(20 {bottom:.1}) rotate(-90)\">elbow</text>\n</svg>"
     );
     svg
 }

@@ -35,13 +35,11 @@ pub fn add(report: &mut Report, outcome: &AccuracyOverTime) {
     if let Some(seconds) = timing.figure_8_seconds_per_100_taxels {
         let median = timing.figure_8_median_seconds_per_100_taxels.unwrap_or(f64::NAN);
         let published = timing.figure_8_paper_seconds_per_100_taxels;
-        let published =
-            published.map_or(String::new(), |paper| format!(" The paper's mean is {paper} s on a laptop of 2011."));
+        let published = published.map_or(String::new(), |paper| format!(" The paper's mean is {paper} s."));
+        let (mean_us, median_us) = (1e6 * seconds, 1e6 * median);
         report.page.paragraph(&format!(
-            "A new sample for 100 taxels takes {:.1} µs on average over the reach, and {:.1} µs in the median frame.{published} \
-             Wall times are the only results here that differ from run to run.",
-            1e6 * seconds,
-            1e6 * median,
+            "A new sample for 100 taxels takes {mean_us:.1} µs on average over the reach, and {median_us:.1} µs in the median \
+             frame.{published} Wall times are the only results here that differ from run to run."
         ));
     }
     let used = &outcome.figure_9;

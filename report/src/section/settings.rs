@@ -44,15 +44,13 @@ fn sentence(outcome: &ComparedSettings, classifier: &str) -> Option<String> {
         native.is_some_and(|native| (native.accuracy.low..=native.accuracy.high).contains(&split.accuracy.accuracy))
     };
     let (here, there) = (mean(&same), mean(&other));
-    let covered = other.iter().filter(covered).count();
+    let (covered, others, change) = (other.iter().filter(covered).count(), other.len(), there - here);
     let Split { trained, tested, accuracy: Accuracy { accuracy, low, high, majority_baseline, .. }, .. } = lowest;
     Some(format!(
-        "{classifier}: {here:.1} % on average at the setting of training, {there:.1} % at others ({:+.1} points). {covered} of {} of \
+        "{classifier}: {here:.1} % on average at the setting of training, {there:.1} % at others ({change:+.1} points). {covered} of {others} of \
          these lie within the interval of the classifier that was trained at the setting of testing. The lowest accuracy is \
          {accuracy:.1} % ({low:.1} to {high:.1}, majority baseline {majority_baseline:.1} %), trained at {trained} and tested at \
-         {tested}.",
-        there - here,
-        other.len()
+         {tested}."
     ))
 }
 

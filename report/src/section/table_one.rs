@@ -100,13 +100,12 @@ fn baselines(report: &Report, cells: &[Cell]) -> String {
     };
     let units = [Unit::Component, Unit::Taxel];
     let labels = report.results.definition.labels();
+    let percents = joined(units.into_iter().filter_map(of), " and ");
+    let (recalls, constant) = (labels.join(", "), 100.0 / labels.len() as f64);
     format!(
         "An accuracy means little without its baseline. The majority baseline is the accuracy of always giving the most \
-         frequent category: {}. The balanced accuracy is the mean of the recalls of {}; for a constant verdict it is \
-         {:.0} %.",
-        joined(units.into_iter().filter_map(of), " and "),
-        labels.join(", "),
-        100.0 / labels.len() as f64
+         frequent category: {percents}. The balanced accuracy is the mean of the recalls of {recalls}; for a constant verdict it \
+         is {constant:.0} %."
     )
 }
 

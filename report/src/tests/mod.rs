@@ -67,9 +67,9 @@ fn experiment(folder: &Path) -> Experiment {
     for (name, text) in [
         ("leaves.toml", leaves.to_owned()),
         ("trunks.toml", scenes::TRUNKS_AT_FOREARM.to_owned()),
-        ("leaves-alone.toml", leaves.to_owned()),
+        ("leaves-alone.toml", format!("stream = \"alone\"\n{leaves}")),
         // No reach among leaves touches trunks alone.
-        ("none.toml", leaves.to_owned()),
+        ("none.toml", format!("stream = \"alone\"\n{leaves}")),
         ("both.toml", format!("{leaves}{TRUNKS}")),
         ("roll.toml", format!("{}{ROLLS}", scenes::TRUNKS_AT_FOREARM)),
         ("small.toml", EXPERIMENT.to_owned()),

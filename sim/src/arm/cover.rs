@@ -11,6 +11,7 @@ use underbrush_recording::{BodyShape, InputError, Pose};
 
 use super::skin::FACING_COSINE;
 use super::skin_fit::Surface;
+use super::source::quoted;
 use super::{Arm, LinkCollider, limits};
 use crate::geometry::PlacedShape;
 
@@ -127,7 +128,7 @@ fn faults(arm: &Arm, new: &NewPatch) -> (Vec<String>, Option<usize>) {
         Some(link) => {
             let area_m2: f64 = link.placed_shapes(Pose::IDENTITY).map(|shape| box_area_m2(&shape)).sum();
             if limits::TAXEL_SIZE_M.hold(new.pitch_m) && area_m2 / (new.pitch_m * new.pitch_m) > MAX_TAXELS as f64 {
-                faults.push(format!("a pitch of {} mm gives more than {MAX_TAXELS} taxels", short(new.pitch_m * 1e3)));
+                faults.push(format!("a pitch of {} mm may give over {MAX_TAXELS} taxels", short(new.pitch_m * 1e3)));
             }
         }
     }
@@ -160,9 +161,9 @@ fn round(collider: &LinkCollider) -> Option<(f64, f64)> {
 /// The keys of a patch, up to its own kind of table.
 fn head(new: &NewPatch, note: &str) -> String {
     let millimetres = short(new.pitch_m * 1000.0);
+    let [name, link] = [&new.name, &new.link].map(|own| quoted(own));
     format!(
-        "# Made by `underbrush arm skin` with a pitch of {millimetres} mm: {note}.\nname = {:?}\nlink = {:?}\ntechnology = \"capacitive\"\n\n",
-        new.name, new.link
+        "# Made by `underbrush arm skin` with a pitch of {millimetres} mm: {note}.\nname = {name}\nlink = {link}\ntechnology = \"capacitive\"\n\n"
     )
 }
 
@@ -192,17 +193,13 @@ fn grid(arm: &Arm, link: usize, collider: &LinkCollider, new: &NewPatch) -> Resu
     let row_0 = collider.pose_link.position + axis * along_m(first);
     let angles: Vec<String> =
         (0..columns).map(|column| short((column as f64 * step_deg * 1e3).round() / 1e3)).collect();
+    let head = head(new, "rows and columns round the side of the link's only shape");
+    let [row_0, axis, zero] = [(row_0, 1e6), (axis, 1e9), (zero, 1e9)].map(|(own, steps)| numbers(own, steps));
+    let (pitch, size, wraps, angles) = (new.pitch_m, new.pitch_m * TAXEL_SHARE, columns > 2, angles.join(", "));
     let text = format!(
-        "{}[patch.cylinder]\nrow_0_m = {}\naxis = {}\nzero_angle = {}\nradius_m = {radius_m}\nrows = {kept}\nrow_pitch_m = {}\n\
-         # The rest of the pitch is a gap.\ntaxel_size_m = {}\nwraps = {}\ncolumn_angles_deg = [{}]\n",
-        head(new, "rows and columns round the side of the link's only shape"),
-        numbers(row_0, 1e6),
-        numbers(axis, 1e9),
-        numbers(zero, 1e9),
-        new.pitch_m,
-        new.pitch_m * TAXEL_SHARE,
-        columns > 2,
-        angles.join(", "),
+        "{head}[patch.cylinder]\nrow_0_m = {row_0}\naxis = {axis}\nzero_angle = {zero}\nradius_m = {radius_m}\nrows = {kept}\n\
+         row_pitch_m = {pitch}\n# The rest of the pitch is a gap.\ntaxel_size_m = {size}\nwraps = {wraps}\n\
+         column_angles_deg = [{angles}]\n"
     );
     Ok((text, rows - kept))
 }

@@ -14,7 +14,7 @@ use super::mesh::read_triangles;
 use super::new_text::{
     RULES, controller_limits_deg, held_tables, inertia_tables, joint_table, scene_text, skin_text, stiffness_nm_per_rad,
 };
-use super::source::{Source, read_from_disk, significant};
+use super::source::{Source, quoted, read_from_disk, significant};
 use super::start::Room;
 use super::urdf::{Joint, Said, child, mesh, origin_pose, read_chain, text};
 use super::urdf_text::{Element, Elements, attribute, named, number, numbers};
@@ -84,13 +84,13 @@ pub fn new_files(new: &NewArm) -> Result<NewFiles, InputError> {
     let skin_text = skin_text(&new.out);
     let name = new.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let file = |joints: &str| {
-        let [urdf, skin] = &names;
-        let (base, tip, held, inertia) = (tree.base, &new.tip_link, held_tables(&held), inertia_tables(&raised));
+        let [base, tip, own, urdf, skin] = [tree.base, &new.tip_link, &name, &names[0], &names[1]].map(quoted);
+        let (held, inertia) = (held_tables(&held), inertia_tables(&raised));
         format!(
             "# The arm {name}, written by `underbrush arm new`. docs/arms.md explains every key. What the URDF does not say\n\
              # follows the rules that are stated here; change what you know better.\n\n\
-             name = {name:?}\nurdf = {urdf:?}\nskin = {skin:?}\n\n\
-             # Its frame is the world frame: z up, x forward.\nbase_link = {base:?}\ntip_link = {tip:?}\n\n\
+             name = {own}\nurdf = {urdf}\nskin = {skin}\n\n\
+             # Its frame is the world frame: z up, x forward.\nbase_link = {base}\ntip_link = {tip}\n\n\
              # Choice: a knit cover, as on Cody.\nfriction = 0.3\n\n{RULES}{joints}{held}{inertia}{hull_text}"
         )
     };
@@ -283,12 +283,11 @@ impl<'a> Tree<'a> {
                 }
                 for hull in &found {
                     hulled.insert(name.to_owned());
+                    let (count, outside_mm, link) = (triangles.len(), hull.outside_m * 1000.0, quoted(name));
                     let _ = writeln!(
                         tables,
-                        "\n# Of {filename}{why}; its {} triangles stand out at most {:.1} mm over this hull.\n\
-                         [[hull]]\nlink = {name:?}\npoints_m = [",
-                        triangles.len(),
-                        hull.outside_m * 1000.0
+                        "\n# Of {filename}{why}; its {count} triangles stand out at most {outside_mm:.1} mm over this hull.\n\
+                         [[hull]]\nlink = {link}\npoints_m = ["
                     );
                     for point in &hull.points_m {
                         // Adding zero makes −0 a plain 0.

@@ -7,7 +7,7 @@ use underbrush_recording::limits::short;
 
 use super::Joint;
 use super::inertia::Entries;
-use super::source::significant;
+use super::source::{quoted, significant};
 use super::start::Room;
 use super::urdf::{self, child};
 
@@ -51,12 +51,10 @@ pub(super) fn joint_table(joint: &Joint, [low, high]: &[f64; 2], start: f64, [st
         true => format!("{:.0} deg of range", 2.0 * half_range_rad(joint).to_degrees()),
         false => "no limits".to_owned(),
     };
+    let (torque, name, start) = (short(joint.torque_limit_nm), quoted(&joint.name), start + 0.0);
     format!(
-        "\n# {} Nm, {range}\n[[joint]]\nname = {:?}\nstiffness_nm_per_rad = {stiffness:?}\ndamping_nm_s_per_rad = {damping:?}\n\
-         model_stiffness_nm_per_rad = {stiffness:?}\ncontroller_limits_deg = [{low:?}, {high:?}]\nstart_deg = {:?}\n",
-        short(joint.torque_limit_nm),
-        joint.name,
-        start + 0.0
+        "\n# {torque} Nm, {range}\n[[joint]]\nname = {name}\nstiffness_nm_per_rad = {stiffness:?}\ndamping_nm_s_per_rad = {damping:?}\n\
+         model_stiffness_nm_per_rad = {stiffness:?}\ncontroller_limits_deg = [{low:?}, {high:?}]\nstart_deg = {start:?}\n"
     )
 }
 
@@ -65,11 +63,10 @@ pub(super) fn held_tables(held: &[(urdf::Joint, f64)]) -> String {
         let (key, place) =
             if joint.kind == "prismatic" { ("displacement_m", *place) } else { ("angle_deg", place.to_degrees()) };
         let mimic = if child(joint.element, "mimic").is_some() { ", as its mimic rule says" } else { "" };
+        let (name, place) = (quoted(joint.name), place + 0.0);
         format!(
             "\n# Not between base and tip, so it is held as close to zero as its limits allow{mimic}.\n\
-             [[held]]\nname = {:?}\n{key} = {:?}\n",
-            joint.name,
-            place + 0.0
+             [[held]]\nname = {name}\n{key} = {place:?}\n"
         )
     };
     held.iter().map(table).collect()
@@ -77,11 +74,11 @@ pub(super) fn held_tables(held: &[(urdf::Joint, f64)]) -> String {
 
 pub(super) fn inertia_tables(raised: &[(String, Entries, f64)]) -> String {
     let table = |(link, entries, share): &(String, Entries, f64)| {
+        let (link, percent) = (quoted(link), 100.0 * share);
         format!(
-            "\n# No body has the inertia of this link in the URDF: its largest principal moment is {:.1} % above the sum of the other\n\
+            "\n# No body has the inertia of this link in the URDF: its largest principal moment is {percent:.1} % above the sum of the other\n\
              # two. This is the nearest one of a body: the other two are raised alike, until their sum is the largest.\n\
-             [[inertia]]\nlink = {link:?}\n# ixx, ixy, ixz, iyy, iyz, izz\nentries_kg_m2 = {entries:?}\n",
-            100.0 * share
+             [[inertia]]\nlink = {link}\n# ixx, ixy, ixz, iyy, iyz, izz\nentries_kg_m2 = {entries:?}\n"
         )
     };
     raised.iter().map(table).collect()
@@ -100,25 +97,25 @@ pub(super) fn skin_text(arm_file: &Path) -> String {
 }
 
 pub(super) fn scene_text(arm_file: &Path, room: &Room) -> String {
-    let file = arm_file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let [file, stem] =
+        [arm_file.file_name(), arm_file.file_stem()].map(|name| name.unwrap_or_default().to_string_lossy());
     let reach = room.reach_m;
     let mm = |value_m: f64| (value_m * 1e3).round() / 1e3 + 0.0;
     let [near, far, goal_near, goal_far] = [0.38, 0.80, 0.48, 0.70].map(|share| mm(room.shoulder_m.x + share * reach));
     let [right, left, goal_right, goal_left] =
         [-0.38, 0.38, -0.32, 0.32].map(|share| mm(room.shoulder_m.y + share * reach));
     let [low, high] = room.goal_heights_m().map(mm);
+    let (arm, summary) = (quoted(&file), quoted(&format!("Reach between trunks in front of {stem}")));
+    let table = mm(room.table_m());
     let trunks = ((far - near) * (left - right) * TRUNKS_PER_M2).round().max(2.0);
     format!(
-        "# Trunks in front of the arm in {file}, written by `underbrush arm new`. Places are shares of the arm's reach, {:.2} m from\n\
+        "# Trunks in front of the arm in {file}, written by `underbrush arm new`. Places are shares of the arm's reach, {reach:.2} m from\n\
          # its second joint to its tip, as in docs/arms/panda/foliage.toml, and begin at that joint. Lengths are in the frame of\n\
          # the base: x forward, y left, z up. As many trunks to an area as in the scene `trunk`.\n\
-         summary = \"Reach between trunks in front of {}\"\narm = {file:?}\n\n\
-         [workspace]\nx_m = [{near:?}, {far:?}]\ny_m = [{right:?}, {left:?}]\n# Below the second joint, so that the forearm comes among the trunks.\ntable_height_m = {:?}\n\n\
+         summary = {summary}\narm = {arm}\n\n\
+         [workspace]\nx_m = [{near:?}, {far:?}]\ny_m = [{right:?}, {left:?}]\n# Below the second joint, so that the forearm comes among the trunks.\ntable_height_m = {table:?}\n\n\
          [goals]\ncount = 4\nretries = 0\npatience_s = 1.0\n\
          x_m = {{ uniform = [{goal_near:?}, {goal_far:?}] }}\ny_m = {{ uniform = [{goal_right:?}, {goal_left:?}] }}\nz_m = {{ uniform = [{low:?}, {high:?}] }}\n\n\
-         [[objects.trunk]]\ncount = {trunks}\n",
-        reach,
-        arm_file.file_stem().unwrap_or_default().to_string_lossy(),
-        mm(room.table_m()),
+         [[objects.trunk]]\ncount = {trunks}\n"
     )
 }

@@ -59,16 +59,14 @@ pub(super) fn check(source: &Source, path: &str, patch: &Patch, link: &Link) -> 
     let reach = reach_m(&patch.taxels);
     for (number, taxel) in patch.taxels.iter().enumerate() {
         let distance_m = surface.distance_m(taxel.position_link);
-        let touchable = distance_m.abs() <= reach;
-        if !touchable {
+        if distance_m.abs() > reach {
             let allowed = format!(
                 "at most {:.1} mm from it; contacts farther than that from the patch's taxels belong to the bare link",
                 reach * 1000.0
             );
             return fault(number, place(distance_m, &link.name), allowed);
         }
-        let faces_out = surface.facing_cosine(taxel.position_link, taxel.normal_link) > 0.0;
-        if !faces_out {
+        if surface.facing_cosine(taxel.position_link, taxel.normal_link) <= 0.0 {
             let found = format!("a normal that points into link {}", link.name);
             let allowed = "a normal that points out of the link, because nothing presses from inside";
             return fault(number, found, allowed.into());

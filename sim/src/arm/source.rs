@@ -29,6 +29,11 @@ pub(super) fn significant(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }
 
+/// A text as a TOML file holds it. Rust's own notation escapes combining accents, among others, in a way that TOML does not know.
+pub(super) fn quoted(text: &str) -> toml::Value {
+    text.into()
+}
+
 /// Normalizes a direction vector whose length is within the limits.
 pub(super) fn unit(vector: [f64; 3]) -> Option<DVec3> {
     let vector = DVec3::from_array(vector);

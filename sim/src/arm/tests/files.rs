@@ -199,6 +199,23 @@ fn a_missing_mesh_has_its_own_line() {
     assert!(error.found.starts_with("two.obj") && error.line == Some(4), "{error}");
 }
 
+/// Tests that names with combining accents, as some systems write them in names of files, and with quotation marks reach the files
+/// of a new arm.
+#[test]
+fn names_of_new_files_may_have_accents_and_quotes() {
+    let folder = tempfile::tempdir().unwrap();
+    let name = "ti\u{301}p";
+    let urdf = cody_file(Path::new("cody.urdf")).unwrap().replace("\"flipper_tip\"", &format!("\"{name}\""));
+    let [urdf_path, out] = ["co\u{301}dy.urdf", "co\u{301}\"dy.toml"].map(|name| folder.path().join(name));
+    fs::write(&urdf_path, urdf).unwrap();
+    let new = NewArm { urdf: urdf_path, out, tip_link: name.into(), hulls_per_mesh: 1, ..NewArm::default() };
+    let made = new_files(&new).unwrap();
+    let file: toml::Table = made.arm_file.parse().unwrap();
+    assert_eq!(["urdf", "tip_link"].map(|key| file[key].as_str().unwrap()), ["co\u{301}dy.urdf", name]);
+    let scene: toml::Table = made.scene.1.parse().unwrap();
+    assert_eq!(scene["arm"].as_str(), Some("co\u{301}\"dy.toml"));
+}
+
 /// Tests that a URDF with many nested elements is refused with its line and does not overflow the stack.
 #[test]
 fn deeply_nested_elements_are_refused() {
