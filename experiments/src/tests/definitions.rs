@@ -205,7 +205,7 @@ fn numbers_and_patch_are_checked_when_the_file_is_read() {
         ),
         ("[trials]\npatch = \"nosuch\"", 14, "trials.patch", "nosuch", "forearm, flipper"),
         // The reaches of this scene are trained on.
-        ("[general]\nscene = \"one.toml\"\nreaches = 1", 15, "general.scene", "one.toml", "a `stream` of its own"),
+        ("[general]\nscene = \"one.toml\"\nreaches = 1", 14, "general.scene", "one.toml", "a `stream` of its own"),
         (
             "[[classifiers]]\nname = \"a\\nb\"\nmethod = \"naive-bayes\"",
             15,
