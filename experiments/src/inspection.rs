@@ -11,7 +11,7 @@ use underbrush_recording::disk::{
     ArmText, FileText, is_folder, is_recording, is_there, read_recording, read_trials, recordings_in,
 };
 use underbrush_recording::math::median;
-use underbrush_recording::{Dataset, Fault, InputError};
+use underbrush_recording::{Dataset, Fault, InputError, stop};
 use underbrush_sim::arm::skin::nearest_m;
 use underbrush_sim::arm::wedge::{Wedge, wedges};
 use underbrush_sim::arm::{Arm, ArmAtStart, is_arm_file};
@@ -186,6 +186,7 @@ fn dataset(path: &Path) -> Result<Value, Fault> {
 }
 
 fn recording(path: &Path) -> Result<Value, Fault> {
+    stop::check();
     let recording = read_recording(path)?;
     let simulated = !recording.is_log();
     let goals: Vec<&str> = recording.goals.iter().map(|goal| goal.outcome.name()).collect();

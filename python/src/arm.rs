@@ -190,8 +190,7 @@ impl Skin {
     }
 
     fn __repr__(&self) -> String {
-        let patches = self.layout.patches.iter();
-        let listed = patches.map(|patch| format!("{}: {} taxels", patch.name, patch.taxels.len()));
+        let listed = self.layout.patches.iter().map(|patch| format!("{}: {} taxels", patch.name, patch.taxels.len()));
         format!("Skin({})", listed.collect::<Vec<_>>().join(", "))
     }
 

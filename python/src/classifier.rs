@@ -21,8 +21,7 @@ pub struct PyModel {
 impl PyModel {
     fn scores_of_all(&self, py: Python<'_>, trials: &Trials) -> Result<Vec<Vec<f64>>, Failure> {
         self.model.provenance.warn_of_rates("trials", &trials.sources);
-        let score = |_: &_| Ok(self.model.classifier.scores_of_all(&trials.all())?);
-        watched(py, None, &Arc::default(), None, score)
+        watched(py, None, &Arc::default(), None, |_| Ok(self.model.classifier.scores_of_all(&trials.all())?))
     }
 
     /// A classifier of trials that was read from this path.

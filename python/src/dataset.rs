@@ -10,7 +10,7 @@ use underbrush_experiments::{contact_trials, model_data};
 use underbrush_recording::Dataset;
 use underbrush_recording::disk::DiskError;
 
-use crate::pool::{self, alone};
+use crate::pool::alone;
 use crate::reach::{Reach, Source};
 use crate::{Answer, Column, Failure, PyTable, Reported, Skin, Trials, array, given, json, place, places, watched};
 
@@ -105,8 +105,8 @@ impl PyDataset {
     fn column<'py>(&self, py: Python<'py>, name: &str, dtype: Option<&str>) -> Answer<'py> {
         let single = dtype.map(Column::is_single).transpose()?;
         let reaches: Vec<usize> = (0..self.__len__()).collect();
-        let read = || Column::of_reaches(&self.dataset, &reaches, name, single);
-        Ok(pool::detached(py, None, read)?.lend(py)?)
+        let read = |_: &_| Column::of_reaches(&self.dataset, &reaches, name, single);
+        Ok(watched(py, None, &Arc::default(), None, read)?.lend(py)?)
     }
 
     /// The rows of a table of one reach, or of all reaches.
@@ -116,16 +116,17 @@ impl PyDataset {
             Some(reach) => vec![place(reach, self.__len__())?],
             None => (0..self.__len__()).collect(),
         };
-        let read = || {
+        let read = |_: &_| {
             let batches = places.into_par_iter().map(|place| self.dataset.read_table(place, name));
             Ok(batches.collect::<Result<Vec<_>, _>>()?.concat())
         };
-        PyTable::new(pool::detached(py, None, read)?)
+        PyTable::new(watched(py, None, &Arc::default(), None, read)?)
     }
 
     /// The largest contact force of each reach, N: (reaches,).
     fn peak_contact_forces_n<'py>(&self, py: Python<'py>) -> Answer<'py> {
-        Ok(array::lend(py, alone(py, || Ok(self.dataset.peak_contact_forces_n()?))?, &[self.__len__()])?)
+        let read = |_: &_| Ok(self.dataset.peak_contact_forces_n()?);
+        Ok(array::lend(py, watched(py, None, &Arc::default(), None, read)?, &[self.__len__()])?)
     }
 
     /// Cut all reaches into contact trials.
@@ -140,7 +141,7 @@ impl PyDataset {
 
     /// Check the hash of every file.
     fn verify(&self, py: Python<'_>) -> Result<(), Failure> {
-        alone(py, || Ok(self.dataset.verify()?))
+        watched(py, None, &Arc::default(), None, |_| Ok(self.dataset.verify()?))
     }
 
     fn __repr__(&self) -> String {

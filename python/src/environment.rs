@@ -109,8 +109,7 @@ impl PyEnvironments {
         camera: Option<&PyCamera>,
     ) -> Result<Option<Bound<'py, PyAny>>, Failure> {
         let state = self.lock()?;
-        let environment = state.environments.all().get(index);
-        let shown = environment.and_then(|own| own.simulation().zip(own.frame()));
+        let shown = state.environments.all().get(index).and_then(|own| own.simulation().zip(own.frame()));
         let Some((simulation, frame)) = shown else { return Ok(None) };
         picture::draw(py, (simulation, &frame), (width, height), camera, "rgb").map(Some)
     }

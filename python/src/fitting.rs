@@ -164,8 +164,7 @@ pub fn evaluate_trials<'py>(
         let decision = model.get().deciding(decision)?;
         let Model { classifier, provenance, .. } = &model.get().model;
         return judged(watched(py, jobs, &Arc::default(), None, |_| {
-            let is_in_memory = |data: &DataSource| data.kind == DataKind::Trials && data.name.is_none();
-            let is_selected = provenance.data.iter().any(is_in_memory);
+            let is_selected = provenance.data.iter().any(|data| data.kind == DataKind::Trials && data.name.is_none());
             let tested = if is_selected { exactly(trials) } else { trials.sources.clone() };
             model_data::check_tested(("trials", &tested), Some(provenance), None)?;
             Ok(evaluate(classifier.as_ref(), list, &decision)?)
@@ -180,7 +179,6 @@ pub fn evaluate_trials<'py>(
         return judged(watched(py, jobs, &raised, None, |_| Ok(evaluate(&fitted, list, &decision)?))?);
     }
     let (estimator, raised) = estimator_of(classifier)?;
-    let estimator: &dyn Estimator = estimator.as_ref();
     if train.is_some() {
         refuse("train", &of_folds)?;
     }
@@ -198,8 +196,8 @@ pub fn evaluate_trials<'py>(
         None => {
             model_data::check_tested(("trials", &trials.sources), None, None)?;
             warn_of_left_out(list);
-            let evaluation = cross_validate(list, estimator, own, &decision)?;
-            let series = by_samples.then(|| accuracy_by_samples(list, estimator, own, 1)).transpose()?;
+            let evaluation = cross_validate(list, &*estimator, own, &decision)?;
+            let series = by_samples.then(|| accuracy_by_samples(list, &*estimator, own, 1)).transpose()?;
             Ok(EvaluationReport { folds: Some(own), by_samples: series, ..evaluation.into() })
         }
     });

@@ -88,9 +88,7 @@ impl Online {
         match &mut state.judge {
             OnlineJudge::OfTrials(classifier) => {
                 for taxel in classifier.update(&frame.frame)? {
-                    let verdict = PyDict::new(py);
-                    verdict.set_item("taxel", taxel.taxel)?;
-                    verdict.set_item("samples", taxel.samples)?;
+                    let verdict = [("taxel", taxel.taxel), ("samples", taxel.samples)].into_py_dict(py)?;
                     verdict.set_item("verdict", taxel.verdict.name())?;
                     verdict.set_item("scores", by_category(py, &self.categories, &taxel.scores)?)?;
                     verdicts.append(verdict)?;

@@ -110,10 +110,7 @@ pub fn watched<T: Send>(
             let _ = sender.send(pool::stoppable(jobs, Arc::clone(&stop.flag), || work(shown)));
         });
         loop {
-            let come = py.detach(|| match receiver.lock() {
-                Ok(receiver) => receiver.recv_timeout(PERIOD),
-                Err(_) => Err(std::sync::mpsc::RecvTimeoutError::Disconnected),
-            });
+            let come = py.detach(|| receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(PERIOD));
             match come {
                 Ok(result) => return result,
                 Err(std::sync::mpsc::RecvTimeoutError::Timeout) => {}

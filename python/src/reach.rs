@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use underbrush_classifier::DataSource;
 use underbrush_experiments::{VerdictControl, audit, contact_trials, dataset, model_data};
 use underbrush_recording::disk::{
-    Dataset, Episode, check_free, read_recording, recording_columns, recording_table, write_recording,
+    Dataset, Episode, check_free, read_recording, recording_columns, recording_header, recording_table, write_recording,
 };
 use underbrush_recording::{Body, Recording, SkinLayout};
 use underbrush_render::Stage;
@@ -35,6 +35,8 @@ pub enum Source {
 #[pyclass(frozen, module = "underbrush._core")]
 pub struct Reach {
     source: Source,
+    /// The file that it was loaded from.
+    file: Option<DataSource>,
     /// Name of the scene.
     #[pyo3(get)]
     scene: String,
@@ -70,6 +72,7 @@ impl Reach {
         let is_log = own.controller == Recording::UNKNOWN_CONTROLLER;
         Reach {
             source,
+            file: None,
             scene: own.scene,
             controller: own.controller,
             seed_and_index: (own.seed, own.reach_index),
@@ -108,7 +111,9 @@ impl Reach {
         let mut of_sets: BTreeMap<&Path, (&Dataset, Vec<&Episode>)> = BTreeMap::new();
         for reach in reaches {
             match &reach.source {
-                Source::Memory(recording) => sources.push(model_data::of_recording(recording)),
+                Source::Memory(own) => {
+                    sources.push(reach.file.clone().unwrap_or_else(|| model_data::of_recording(own)));
+                }
                 Source::Dataset(dataset, index) => {
                     of_sets.entry(dataset.dir()).or_insert((dataset, vec![])).1.push(&dataset.episodes()[*index]);
                 }
@@ -156,7 +161,9 @@ impl Reach {
     /// Read a recording from its file.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> Result<Self, Failure> {
-        Ok(Reach::of_recording(alone(py, || Ok(read_recording(&path)?))?))
+        let read = || Ok((read_recording(&path)?, model_data::of_file(&path, &recording_header(&path)?)?));
+        let (recording, file) = alone(py, read)?;
+        Ok(Reach { file: Some(file), ..Reach::of_recording(recording) })
     }
 
     /// Write the reach to a file (Parquet). Only with ``force`` is a file overwritten.
@@ -353,22 +360,24 @@ impl Reach {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Result<(Bound<'py, PyAny>, (Bound<'py, PyAny>,)), Failure> {
         let py = slf.py();
-        let class = py.get_type::<Reach>();
-        match &slf.get().source {
+        let (call, place) = match &slf.get().source {
             Source::Dataset(dataset, index) => {
-                let place = (dataset.dir(), *index, dataset.data_blake3()).into_pyobject(py)?.into_any();
-                Ok((class.getattr("_of_dataset")?, (place,)))
+                ("_of_dataset", (dataset.dir(), *index, dataset.data_blake3()).into_pyobject(py)?)
             }
             Source::Memory(_) => {
                 let bytes = py.import("underbrush._data")?.call_method1("bytes_of", (slf,))?;
-                Ok((class.getattr("_from_bytes")?, (bytes,)))
+                ("_from_bytes", (bytes, json::value(&slf.get().file)?.to_string()).into_pyobject(py)?)
             }
-        }
+        };
+        Ok((py.get_type::<Reach>().getattr(call)?, (place.into_any(),)))
     }
 
     #[staticmethod]
-    fn _from_bytes<'py>(bytes: &Bound<'py, PyBytes>) -> PyResult<Bound<'py, PyAny>> {
-        bytes.py().import("underbrush._data")?.call_method1("reach_of", (bytes,))
+    fn _from_bytes(place: (Bound<'_, PyBytes>, String)) -> Result<Self, Failure> {
+        let (bytes, file) = place;
+        let read = bytes.py().import("underbrush._data")?.call_method1("reach_of", (&bytes,))?;
+        let recording = read.cast::<Reach>().map_err(PyErr::from)?.get().recording()?;
+        Ok(Reach { file: json::unpickled(file.as_bytes())?, ..Reach::new(Source::Memory(recording)) })
     }
 
     #[staticmethod]

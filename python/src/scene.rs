@@ -96,8 +96,7 @@ impl PyScene {
     /// The cameras of the scene file by their names.
     #[getter]
     fn cameras(&self) -> BTreeMap<String, PyCamera> {
-        let cameras = self.scene.file.cameras.iter();
-        cameras.map(|camera| (camera.name.clone(), PyCamera(camera.clone()))).collect()
+        self.scene.file.cameras.iter().map(|camera| (camera.name.clone(), PyCamera(camera.clone()))).collect()
     }
 
     /// The keys of the scene file as a dictionary.

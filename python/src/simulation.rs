@@ -118,8 +118,7 @@ impl PySimulation {
     /// Ground truth: the largest force between one link and one object in the last frame, N.
     #[getter]
     fn largest_contact_force_n(&self) -> Result<f64, Failure> {
-        let simulation = self.lock()?;
-        Ok(simulation.report().tactile.largest_force().map_or(0.0, |force| force.force_n))
+        Ok(self.lock()?.report().tactile.largest_force().map_or(0.0, |force| force.force_n))
     }
 
     /// Draw arm and clutter as they are now, with an arrow for each contact force on the arm.
@@ -184,8 +183,7 @@ pub fn step_many(
     let simulations: Vec<&PySimulation> = simulations.iter().map(Py::get).collect();
     pool::detached(py, jobs, || {
         // All are locked first: if another thread is using one of them, none has moved.
-        let states: Result<Vec<_>, Failure> = simulations.iter().map(|simulation| simulation.lock()).collect();
-        let mut states = states?;
+        let mut states = simulations.iter().map(|simulation| simulation.lock()).collect::<Result<Vec<_>, _>>()?;
         let mut states: Vec<&mut Simulation> = states.iter_mut().map(|state| &mut **state).collect();
         let stepped = states.par_iter_mut().zip(angles.par_chunks(joints)).zip(&simulations);
         Ok(stepped

@@ -14,13 +14,13 @@ use underbrush_report::reproduction::Reproduction;
 use underbrush_report::suite_text;
 use underbrush_validation::{CHECKS, Check};
 
-use crate::{Answer, Failure, Reported, Stop, alone, controller, generate, json, watched};
+use crate::{Answer, Failure, Reported, Stop, controller, generate, json, watched};
 
 /// Check a scene, data set, recording, folder of recordings, model or table of trials, and say what it holds.
 #[pyfunction]
 #[pyo3(signature = (path, seed = 0))]
 pub fn inspect(py: Python<'_>, path: PathBuf, seed: u64) -> Answer<'_> {
-    json::to_python(py, &alone(py, || Ok(inspection::inspect(&path, seed)?))?)
+    json::to_python(py, &watched(py, None, &Arc::default(), None, |_| Ok(inspection::inspect(&path, seed)?))?)
 }
 
 /// Run regression suites and hold what they find against their bounds.
@@ -151,11 +151,8 @@ pub fn benchmark_sets(
     quick: bool,
 ) -> Result<Vec<(PathBuf, u64)>, Failure> {
     let sets = entry(track, model, controller, verdicts, &Arc::default())?.sets(quick)?;
-    let of_set = |set: &TestSet| {
-        let reaches = set.campaign.scenes.iter().map(|(_, reaches)| reaches).sum();
-        (set_folder(&out, &set.name, quick), reaches)
-    };
-    Ok(sets.iter().map(of_set).collect())
+    let reaches = |set: &TestSet| set.campaign.scenes.iter().map(|(_, reaches)| reaches).sum::<u64>();
+    Ok(sets.iter().map(|set| (set_folder(&out, &set.name, quick), reaches(set))).collect())
 }
 
 /// Make part I of N of one of the sets that ``benchmark_sets`` lists, chosen by its index.

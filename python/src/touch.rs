@@ -9,10 +9,10 @@ use underbrush_classifier::any_model::{self, AnyModel, OnlineModel};
 use underbrush_classifier::evaluate::touch_folds::{
     ReadReaches, add_auxiliary, cross_validate_touch, judge_touch, touch_examples,
 };
-use underbrush_classifier::touch::{TOUCH_FORMAT, TouchExamples, TouchModel, TouchOptions};
+use underbrush_classifier::touch::{TOUCH_FORMAT, TouchExamples, TouchModel, TouchOptions, check_share};
 use underbrush_classifier::{DataKind, DataSource, FORMAT};
 use underbrush_experiments::model_data;
-use underbrush_recording::disk::{is_folder, read_recording, with_recordings};
+use underbrush_recording::disk::{is_folder, read_recording, recording_header, with_recordings};
 use underbrush_recording::{Fault, Recording, stop};
 
 use crate::classifier::other_kind;
@@ -58,6 +58,7 @@ impl PyTouchModel {
     ) -> Result<Self, Failure> {
         let options = TouchOptions::of(patch, threshold_n);
         let reaches = Given::of("reaches", reaches)?;
+        limit_wrong.map_or(Ok(()), |share| check_share(share, reaches.count()))?;
         let auxiliary = auxiliary.map_or(Ok(Given::default()), |own| Given::of("auxiliary", own))?;
         let fit = |_: &_| {
             let sources = sources(reaches.0.iter().chain(&auxiliary.0))?;
@@ -89,6 +90,7 @@ impl PyTouchModel {
     ) -> Answer<'py> {
         let options = TouchOptions::of(patch, threshold_n);
         let reaches = Given::of("reaches", reaches)?;
+        limit_wrong.map_or(Ok(()), |share| check_share(share, reaches.count()))?;
         let fit = |examples: &TouchExamples| Ok(examples.fit(limit_wrong)?);
         let judge = |_: &_| {
             model_data::check_tested(("reaches", &sources(&reaches.0)?), None, None)?;
@@ -150,9 +152,10 @@ impl PyTouchModel {
         let reaches = Given::of("reaches", reaches)?;
         let judge = |_: &_| {
             let mut data = sources(&reaches.0)?;
+            let fitted = &self.model.provenance;
             // The model may have been fitted to the other reaches of a data set.
-            data.iter_mut().filter(|own| !reaches.has_all_of(own)).for_each(|own| own.blake3.clear());
-            model_data::check_tested(("reaches", &data), Some(&self.model.provenance), None)?;
+            data.iter_mut().filter(|own| !reaches.overlap(own, &fitted.data)).for_each(|own| own.blake3.clear());
+            model_data::check_tested(("reaches", &data), Some(fitted), None)?;
             judge_touch(self.model.as_ref().clone(), &reaches)
         };
         json::to_python(py, &watched(py, None, &Arc::default(), None, judge)?)
@@ -210,12 +213,12 @@ impl Given {
         Ok(Given(places))
     }
 
-    /// Whether these are all reaches of a data set that some of them are from; true for other data.
-    fn has_all_of(&self, data: &DataSource) -> bool {
-        let given: usize = data.reaches.values().sum();
-        let places =
-            self.0.iter().filter_map(|place| if let Place::Reach(own) = place { own.get().place() } else { None });
-        places.filter(|(blake3, ..)| *blake3 == data.blake3).all(|(_, _, all)| given == all)
+    /// Whether the reaches that a model was fitted to and these, of the same data set, are more than it has; true for other data.
+    fn overlap(&self, data: &DataSource, fitted: &[DataSource]) -> bool {
+        let of_set = fitted.iter().chain([data]).filter(|own| own.blake3 == data.blake3);
+        let count: usize = of_set.flat_map(|own| own.reaches.values()).sum();
+        let sets = self.0.iter().filter_map(|own| if let Place::Reach(own) = own { own.get().place() } else { None });
+        sets.filter(|(blake3, ..)| *blake3 == data.blake3).all(|(_, _, all)| count > all)
     }
 }
 
@@ -228,7 +231,7 @@ fn sources<'a>(places: impl IntoIterator<Item = &'a Place>) -> Result<Vec<DataSo
     for place in places {
         match place {
             Place::Reach(reach) => reaches.push(reach.get()),
-            Place::File(path) => files.push(model_data::of_file(path, &read_recording(path)?)?),
+            Place::File(path) => files.push(model_data::of_file(path, &recording_header(path)?)?),
         }
     }
     let in_sets: Vec<_> = reaches.iter().filter_map(|own| own.place()).collect();

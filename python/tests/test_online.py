@@ -156,11 +156,14 @@ def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:
 
 def test_auxiliary_reaches_are_unknown_objects(data: ub.Dataset, tmp_path, command) -> None:
     """Tests that a model fitted with auxiliary reaches equals the command line's, but for the names of its sources, that
-    they are among its sources, and that reaches that are fitted to are refused as auxiliary ones."""
+    they are among its sources, that too few known objects to call anything unknown are warned of, and that reaches that are fitted to
+    are refused as auxiliary ones."""
     scene = tmp_path / "posts.toml"
     scene.write_text(POSTS)
     posts = ub.generate([scene], 8, tmp_path / "posts", seed=2, progress=False)
-    model = ub.TouchModel.fit(list(data), auxiliary=list(posts))
+    expected = "^the model calls nothing unknown, .* or give the commands classify and evaluate a larger --unknown-share$"
+    with pytest.warns(UserWarning, match=expected):
+        model = ub.TouchModel.fit(list(data), auxiliary=list(posts))
     file = tmp_path / "touch.json"
     command("train", data.path, "--classifier", "touch", "--auxiliary", posts.path, "--out", file)
     own, other = json.loads(model.to_json()), json.loads(file.read_text())
@@ -206,16 +209,19 @@ def test_models_are_sealed_and_say_where_they_come_from(data: ub.Dataset, tmp_pa
 
 
 def test_limits_of_risk_choose_the_decision(data: ub.Dataset, tmp_path, command) -> None:
-    """Tests that a model fitted within limits of risk equals the command line's, and that too few reaches for a limit
-    are refused."""
+    """Tests that a model fitted within limits of risk equals the command line's, and that too few reaches for a limit, and limits that
+    are not possible, are refused before any reach is read."""
     model = ub.TouchModel.fit(list(data), limit_wrong=0.4)
     command("train", data.path, "--classifier", "touch", "--limit-wrong", "0.4", "--out", tmp_path / "touch.json")
     assert model.to_json() == (tmp_path / "touch.json").read_text()
     assert model.decision != ub.TouchModel.fit(list(data)).decision
-    with pytest.raises(ub.InputError, match="reaches or more"):
-        ub.TouchModel.fit(list(data), limit_wrong=0.01)
-    with pytest.raises(ub.InputError, match="limit_wrong: found 1.5; allowed: a share above 0 and below 1"):
-        ub.TouchModel.fit(list(data), limit_wrong=1.5)
+    damaged = tmp_path / "damaged.parquet"
+    damaged.write_text("no recording")
+    for call in (ub.TouchModel.fit, ub.TouchModel.cross_validate):
+        with pytest.raises(ub.InputError, match="reaches or more"):
+            call([*data, damaged], limit_wrong=0.01)
+        with pytest.raises(ub.InputError, match="limit_wrong: found 1.5; allowed: a share above 0 and below 1"):
+            call([*data, damaged], limit_wrong=1.5)
 
 
 def test_touch_models_are_evaluated_as_by_the_command_line(data: ub.Dataset, tmp_path, command) -> None:
@@ -242,25 +248,29 @@ def test_touch_models_are_evaluated_as_by_the_command_line(data: ub.Dataset, tmp
 
 
 def test_no_reach_counts_twice(data: ub.Dataset, tmp_path: Path) -> None:
-    """Tests that a reach that is given twice, also as a copy of its data set or its file, is refused: it would be in training and test
-    at once."""
+    """Tests that a reach that is given twice, also as a copy of its data set or its file, loaded or pickled, is refused: it would be in
+    training and test at once."""
     copied = shutil.copytree(data.path, tmp_path / "copied")
     for name in ("once", "again"):
         data[0].save(tmp_path / f"{name}.parquet")
     files = [tmp_path / "once.parquet", tmp_path / "again.parquet"]
     loaded = [ub.Reach.load(file) for file in files]
     model = ub.TouchModel.load(SUITES / "touch.json")
-    for again in ([*data, data[0]], [data.path, copied], [*data, ub.Dataset(copied)[3]], files, loaded):
+    pickled = pickle.loads(pickle.dumps(loaded[0]))
+    both = [files[0], loaded[1]], [loaded[0], pickled], [files[1], pickled]
+    for again in ([*data, data[0]], [data.path, copied], [*data, ub.Dataset(copied)[3]], files, loaded, *both):
         for call in (ub.TouchModel.fit, ub.TouchModel.cross_validate, model.evaluate):
             with pytest.raises(ub.InputError, match="reaches: found the same data twice"):
                 call(again)
 
 
 def test_a_touch_model_of_the_same_reaches_is_warned_of(data: ub.Dataset) -> None:
-    """Tests that a touch model that judges the reaches that it was fitted to is warned of, but not one that judges other reaches of the
-    same data set."""
-    with pytest.warns(UserWarning, match="^reaches: the model was fitted to these data"):
-        ub.TouchModel.fit(data).evaluate(data)
+    """Tests that a touch model that judges reaches that it was fitted to, or a part of them, is warned of, but not one that judges other
+    reaches of the same data set."""
+    model = ub.TouchModel.fit(data)
+    for given in (data, data[:1]):
+        with pytest.warns(UserWarning, match="^reaches: the model was fitted to these data"):
+            model.evaluate(given)
     with warnings.catch_warnings(record=True) as shown:
         warnings.simplefilter("always")
         ub.TouchModel.fit(data[1:]).evaluate(data[:1])
@@ -277,6 +287,8 @@ def test_a_folder_of_recordings_stands_for_them(data: ub.Dataset, tmp_path: Path
     model = ub.TouchModel.fit(folder)
     command("train", folder, "--classifier", "touch", "--out", touch)
     assert model.to_json() == ub.TouchModel.fit(sorted(folder.iterdir())).to_json() == touch.read_text()
+    loaded = [ub.Reach.load(file) for file in sorted(folder.iterdir())]
+    assert model.to_json() == ub.TouchModel.fit(loaded).to_json()
     assert ub.TouchModel.fit(str(data.path)).to_json() == ub.TouchModel.fit(data).to_json()
     assert model.evaluate(folder) == command("evaluate", folder, "--model", touch)
     judged = ub.TouchModel.cross_validate(folder, folds=3)

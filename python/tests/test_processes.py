@@ -5,6 +5,7 @@ import os
 import signal
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -59,13 +60,18 @@ def test_the_interpreter_runs_meanwhile(data: ub.Dataset, trials: ub.Trials) -> 
     assert min(meanwhile) > 2
 
 
-def test_ctrl_c_ends_calls(data: ub.Dataset, trials: ub.Trials) -> None:
-    """Tests that Ctrl-C ends a fit, a cross-validation and a replay page after the iteration or the reach that is under way."""
+def test_ctrl_c_ends_calls(data: ub.Dataset, trials: ub.Trials, tmp_path: Path) -> None:
+    """Tests that Ctrl-C ends a fit, a cross-validation, a replay page and a look into a folder after the iteration or the reach that is
+    under way."""
     endless = {"states": 10, "tolerance": 0.0, "iterations": 100_000}
+    data[0].save(tmp_path / "0.parquet")
+    for number in range(1, 1000):
+        os.link(tmp_path / "0.parquet", tmp_path / f"{number}.parquet")
     for call in (
         lambda: ub.fit(trials, **endless),
         lambda: ub.evaluate(trials, ub.Options("hmm", **endless)),
         lambda: ub.replay(data, [0] * 100_000),
+        lambda: ub.inspect(tmp_path),
     ):
         threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
         with pytest.raises(KeyboardInterrupt):

@@ -14,6 +14,7 @@ _IN_PYTHON = [
     (r"\(--decision uncertain\)", "(such as decision=15.0)"),
     (r"classify --decision argmax", 'classify with decision="argmax"'),
     (r"classify --decision and --prior", "classify a decision"),
+    (r"give classify and evaluate a larger --unknown-share", "give the commands classify and evaluate a larger --unknown-share"),
     (r"(?<!\S)--false-positive-rate\b", "false_positive_rate"),
     (r"(?<!\S)--(bless|force|resume)\b", r"\1=True"),
     (r"(?<!\S)--shard\b", "shard=(I, N)"),

@@ -107,11 +107,11 @@ pub(super) fn lapses(regions: &[&Judged], sharpness: f64) -> Vec<Lapse> {
     regions.iter().filter_map(lapse).collect()
 }
 
-/// Checks that an allowed share is between 0 and 1, and that there are enough reaches for it.
+/// Checks that an allowed share of wrong verdicts is between 0 and 1, and that there are enough reaches for it.
 ///
 /// # Errors
 /// [`ModelError::BadOption`] for a share that is not between 0 and 1, and [`ModelError::FewReaches`] for too few reaches.
-pub(super) fn check_share(share: f64, reaches: usize) -> Result<(), ModelError> {
+pub fn check_share(share: f64, reaches: usize) -> Result<(), ModelError> {
     if !(share > 0.0 && share < 1.0) {
         return Err(Fault::new("limit_wrong", share.to_string(), "a share above 0 and below 1").into());
     }

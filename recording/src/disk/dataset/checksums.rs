@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::info::read_json;
 use super::names;
 use crate::disk::files::{is_folder, json_bytes, metadata, open_input, write_bytes};
-use crate::{DiskError, InputError, Result};
+use crate::{DiskError, InputError, Result, stop};
 
 /// The remedy for a damaged data set.
 const REMEDY: &str = "copy the data set again, or generate it again";
@@ -154,6 +154,7 @@ impl Checksums {
 
     /// Checks the hash of a file.
     pub(crate) fn check(&self, dir: &Path, name: &str) -> Result<()> {
+        stop::check();
         let (path, expected) = self.check_size(dir, name)?;
         let found = FileSum::of_file(&path)?;
         if found != *expected {

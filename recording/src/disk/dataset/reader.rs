@@ -21,7 +21,7 @@ use crate::disk::tables::truth_bodies::read_bodies;
 use crate::disk::tables::truth_tables::{
     add_contact_points, add_patches, add_poses, add_taxels, read_contacts, read_goals, read_map, read_objects,
 };
-use crate::{DiskError, InputError, Recording, Result};
+use crate::{DiskError, InputError, Recording, Result, stop};
 
 /// A finished data set on disk. Frames are read reach by reach.
 #[derive(Debug)]
@@ -193,6 +193,7 @@ impl Dataset {
     /// The path of a file of the set, for reading. Its hash is checked the first time. All tables are read through this
     /// function.
     pub(crate) fn file(&self, name: &str) -> Result<PathBuf> {
+        stop::check();
         let checked = || self.checked.lock().unwrap_or_else(PoisonError::into_inner);
         if !checked().contains(name) {
             // Done without the lock: two threads may check the same file, but none waits for another.

@@ -1,11 +1,15 @@
 use std::collections::BTreeMap;
 use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use super::reach;
 use crate::disk::{
     ArmText, Dataset, DatasetPlan, DatasetWriter, FileText, PlannedEpisode, Provenance, SceneText, write_recording,
 };
+use crate::stop::{Stopped, listen};
 use crate::{DiskError, InputError, NamedStop, Outcome, Recording, SafetyStop};
 
 /// Numbers of frames of the reaches of the test set. The third is longer than one batch.
@@ -143,6 +147,20 @@ fn every_reach_comes_back_as_it_was_staged() {
     assert_eq!(set.plan().layout, plan().layout);
     assert_eq!(set.plan().provenance, plan().provenance);
     set.verify().unwrap();
+}
+
+/// Tests that the check of all files and reads end on a thread that is told to stop.
+#[test]
+fn a_thread_that_is_told_to_stop_ends_checks_and_reads() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = make(folder.path());
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            listen(Arc::new(AtomicBool::new(true)));
+            assert!(catch_unwind(AssertUnwindSafe(|| set.verify())).unwrap_err().is::<Stopped>());
+            assert!(catch_unwind(AssertUnwindSafe(|| set.read_reach(0))).unwrap_err().is::<Stopped>());
+        });
+    });
 }
 
 /// Tests the columns that LeRobot reads and those that this program adds.
