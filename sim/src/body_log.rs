@@ -55,8 +55,7 @@ impl BodyLog {
 
     /// Records the poses in a frame.
     pub fn observe(&mut self, report: &FrameReport) {
-        let places = self.places.iter();
-        let of_objects = places.map(|(object, body)| &report.objects[*object].body_pose_world[*body]);
+        let of_objects = self.places.iter().map(|(object, body)| &report.objects[*object].body_pose_world[*body]);
         let poses = report.link_pose_world.iter().chain(of_objects);
         for ((body, last), pose) in self.bodies.iter_mut().zip(&mut self.last_world).zip(poses) {
             // Most bodies rest.

@@ -179,10 +179,9 @@ impl LaidFootprint {
             }
             (Footprint::Disc(_), Footprint::Rectangle(..)) => other.overlaps(self),
             (Footprint::Rectangle(..), Footprint::Rectangle(..)) => {
-                self.axes().into_iter().chain(other.axes()).all(|axis| {
-                    let between = (self.center - other.center).dot(axis).abs();
-                    between < self.extent(axis) + other.extent(axis)
-                })
+                let between = self.center - other.center;
+                let mut axes = self.axes().into_iter().chain(other.axes());
+                axes.all(|axis| between.dot(axis).abs() < self.extent(axis) + other.extent(axis))
             }
         }
     }

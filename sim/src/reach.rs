@@ -140,8 +140,7 @@ impl<'a> Reach<'a> {
                 }
                 Way::Aside => (waypoints[1], backing_off),
             };
-            let outcome = self.go(target_world, goal, rules, observer)?;
-            Ok(End { outcome, is_given_up: self.given_up.is_some() })
+            Ok(End { outcome: self.go(target_world, goal, rules, observer)?, is_given_up: self.given_up.is_some() })
         })
     }
 
@@ -170,19 +169,16 @@ impl<'a> Reach<'a> {
                 self.given_up = Some(reason.clone());
             }
             let mut frame = self.simulation.frame(goal_index, goal_world);
-            let answered = self.steering.control(&self.simulation, &frame, target_world)?;
-            self.log.auditor.observe_control(answered);
+            self.log.auditor.observe_control(self.steering.control(&self.simulation, &frame, target_world)?);
             let equilibrium_rad = &self.steering.equilibrium_rad;
             // The frame holds the angles that the arm is given now.
             frame.equilibrium_angle_rad.copy_from_slice(equilibrium_rad);
             let map = &self.steering.controller.map();
             let frame = self.log.record(&self.simulation, frame, map);
             observer(Observed { simulation: &self.simulation, frame, map });
-            let auditor = &mut self.log.auditor;
-            self.simulation.step_observed(equilibrium_rad, &mut |step| auditor.observe_step(step));
+            self.simulation.step_observed(equilibrium_rad, &mut |step| self.log.auditor.observe_step(step));
             if let Some(outcome) = ended {
-                let stop = largest.filter(|_| outcome == Outcome::Aborted);
-                self.safety_stop = stop.map(|force| SafetyStop {
+                self.safety_stop = largest.filter(|_| outcome == Outcome::Aborted).map(|force| SafetyStop {
                     object: force.object,
                     link: self.plan.arm.links[usize::from(force.link)].name.clone(),
                     patch: force.patch,

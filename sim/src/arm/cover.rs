@@ -312,15 +312,13 @@ fn covered<'a>(arm: &'a Arm, link: usize, places: &[Place], new: &NewPatch) -> R
     let covers = |other: usize, place: &Place| match other == link {
         true => !surfaces[link].is_open(place),
         false => poses.iter().all(|poses| {
-            let world = poses[link].transform_point(place.position);
-            surfaces[other].buries(poses[other].inverse_transform_point(world))
+            surfaces[other].buries(poses[other].inverse_transform_point(poses[link].transform_point(place.position)))
         }),
     };
     let coverer = |place: &Place| (0..surfaces.len()).find(|other| covers(*other, place));
     let name = |place: &Place| coverer(place).map(|other| arm.links[other].name.as_str());
     let covered: Vec<_> = places.iter().map(name).collect();
-    let is_fit = new.prune || covered.iter().all(Option::is_none);
-    if is_fit { Ok(covered) } else { Err(listed(&covered)) }
+    if new.prune || covered.iter().all(Option::is_none) { Ok(covered) } else { Err(listed(&covered)) }
 }
 
 /// All taxels that nothing can touch, by what covers them.

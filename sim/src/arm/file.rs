@@ -188,8 +188,7 @@ fn read_held_chain(source: &Source, file: &ArmFile, urdf: &Source) -> Result<Cha
         source.check(&key("displacement_m"), table.displacement_m.unwrap_or(0.0), limits::PLACE_M)?;
         let place = table.angle_deg.map(f64::to_radians).or(table.displacement_m).unwrap_or(0.0);
         if held.insert(table.name.clone(), place).is_some() {
-            let found = format!("a second {}", table.name);
-            return Err(source.fault_at(&key("name"), found, "one table for each joint"));
+            return Err(source.fault_at(&key("name"), format!("a second {}", table.name), "one table for each joint"));
         }
     }
     let hulled = file.hull.iter().map(|hull| hull.link.clone()).collect();
@@ -236,12 +235,10 @@ fn join_tables(source: &Source, chain: Vec<Joint>, tables: &[JointTable]) -> Res
         let place = format!("joint[{number}].name");
         if !chain.iter().any(|joint| joint.name == *name) {
             let names: Vec<&str> = chain.iter().map(|joint| joint.name.as_str()).collect();
-            let allowed = format!("a moving joint of the URDF: {}", names.join(", "));
-            return Err(source.fault_at(&place, name, allowed));
+            return Err(source.fault_at(&place, name, format!("a moving joint of the URDF: {}", names.join(", "))));
         }
         if tables[..number].iter().any(|other| other.name == *name) {
-            let found = format!("a second {name}");
-            return Err(source.fault_at(&place, found, "one table for each joint"));
+            return Err(source.fault_at(&place, format!("a second {name}"), "one table for each joint"));
         }
     }
     chain
@@ -280,8 +277,7 @@ fn join_table(source: &Source, joint: Joint, number: usize, table: &JointTable) 
     }
     let start_rad = table.start_deg.to_radians();
     if !(lower..=upper).contains(&start_rad) {
-        let allowed = format!("an angle within {degrees:?} deg");
-        return Err(fault("start_deg", short(table.start_deg), &allowed));
+        return Err(fault("start_deg", short(table.start_deg), &format!("an angle within {degrees:?} deg")));
     }
     Ok(Joint {
         stiffness_nm_per_rad: table.stiffness_nm_per_rad,

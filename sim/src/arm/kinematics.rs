@@ -125,8 +125,7 @@ impl Arm {
         let mut jacobian = Matrix3xX::zeros(self.joints.len());
         let carrying = self.joints.iter().zip(&link_poses[1..]).take(link);
         for ((joint, pose), mut entries) in carrying.zip(jacobian.column_iter_mut()) {
-            let value = column(pose.orientation * joint.axis_child, pose.position);
-            entries.copy_from_slice(&value.to_array());
+            entries.copy_from_slice(&column(pose.orientation * joint.axis_child, pose.position).to_array());
         }
         jacobian
     }

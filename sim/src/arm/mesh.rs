@@ -45,8 +45,7 @@ pub fn read_triangles(path: &Path) -> Result<Vec<Triangle>, InputError> {
         other => return Err(fault(&format!("extension {other:?}"))),
     };
     // A mesh in millimetres gets its size from the URDF's scale.
-    let limit = 1e4 * PLACE_M.max;
-    match triangles.iter().flatten().all(|corner| corner.abs().max_element() <= limit) {
+    match triangles.iter().flatten().all(|corner| corner.abs().max_element() <= 1e4 * PLACE_M.max) {
         _ if triangles.is_empty() => Err(fault("no triangles")),
         true => Ok(triangles),
         false => Err(fault("corners that are no numbers or far away")),

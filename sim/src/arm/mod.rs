@@ -110,8 +110,7 @@ impl LinkCollider {
     /// `None` for a hull without volume or with too many corners.
     fn new(shape: BodyShape, pose_link: Pose) -> Option<LinkCollider> {
         let (engine, rotation) = engine_shape(&shape)?;
-        let placed_link = PlacedShape { shape: engine, pose: pose_link * rotation };
-        Some(LinkCollider { shape, pose_link, placed_link })
+        Some(LinkCollider { shape, pose_link, placed_link: PlacedShape { shape: engine, pose: pose_link * rotation } })
     }
 
     /// The shape for distances, with the link at this pose.
@@ -166,12 +165,18 @@ impl Joint {
         angle_rad.max(low).min(high)
     }
 
-    /// The angle at this share, from 0 to 1, of the controller's range. A joint without limits turns all round, and no farther than
-    /// half a turn from zero.
+    /// The angle at this share, from 0 to 1, of the part of the controller's range that is within half a turn from zero.
     pub(crate) fn at_share(&self, share: f64) -> f64 {
-        let [low, high] = self.controller_limits_rad.map(|limit| limit.clamp(-PI, PI));
+        let [low, high] = within_half_turn(self.controller_limits_rad);
         low + (high - low) * share
     }
+}
+
+/// The part of a joint's range, rad, that is within half a turn from zero: a joint without limits turns all round, and no
+/// farther. A range that lies farther from zero is left as it is.
+fn within_half_turn(range_rad: [f64; 2]) -> [f64; 2] {
+    let [low, high] = range_rad.map(|limit| limit.clamp(-PI, PI));
+    if low < high { [low, high] } else { range_rad }
 }
 
 impl Arm {

@@ -63,12 +63,11 @@ pub struct SurfacePoint {
 }
 
 impl Skin {
-    /// Divides a taxel into `per_side` × `per_side` equal pieces and returns their centres on the true surface, sorted
-    /// along the first tangent, then the second. Empty if there is no such taxel. If gaps are felt less than the taxels, a
-    /// piece is added on each side, up to the middle of the gap.
-    pub fn surface_points(&self, patch: usize, taxel: usize, per_side: usize) -> Vec<SurfacePoint> {
+    /// Divides taxel `number` of a patch into `per_side` × `per_side` equal pieces and returns their centres on the true
+    /// surface, sorted along the first tangent, then the second. Empty if there is no such taxel. If gaps are felt less than
+    /// the taxels, a piece is added on each side, up to the middle of the gap.
+    pub fn surface_points(&self, patch: usize, number: usize, per_side: usize) -> Vec<SurfacePoint> {
         let surface = self.surfaces.get(patch);
-        let number = taxel;
         let taxel = self.layout.patches.get(patch).and_then(|patch| patch.taxels.get(number));
         let (Some(surface), Some(taxel)) = (surface, taxel) else { return Vec::new() };
         let second_tangent = taxel.normal_link.cross(taxel.tangent_link);

@@ -178,8 +178,7 @@ fn read_patch(source: &Source, place: &str, table: &PatchTable, earlier: &SkinLa
         return Err(source.fault_at(place, format!("{count} taxels"), allowed));
     }
     let grid = |own: &CylinderTable| Grid { rows: own.rows, columns: own.column_angles_deg.len(), wraps: own.wraps };
-    let grid = table.cylinder.as_ref().map(grid);
-    Ok(Patch { name: table.name.clone(), link: table.link.clone(), grid, taxels })
+    Ok(Patch { name: table.name.clone(), link: table.link.clone(), grid: table.cylinder.as_ref().map(grid), taxels })
 }
 
 /// Reads the skin file of an arm with this chain.
@@ -308,6 +307,5 @@ fn derived_area(taxels: &[TaxelTable], number: usize, normal: DVec3) -> f64 {
     let position = |taxel: &TaxelTable| DVec3::from_array(taxel.position_m);
     let others = taxels.iter().enumerate().filter(|(other, _)| *other != number).map(|(_, taxel)| taxel);
     let neighbours = others.filter(|taxel| DVec3::from_array(taxel.normal).dot(normal) > 0.0);
-    let squares = neighbours.map(|taxel| position(taxel).distance_squared(position(&taxels[number])));
-    squares.fold(f64::INFINITY, f64::min)
+    neighbours.map(|taxel| position(taxel).distance_squared(position(&taxels[number]))).fold(f64::INFINITY, f64::min)
 }

@@ -23,8 +23,7 @@ impl Surface {
 
     /// Distance of a point from the surface of all shapes together, m; negative inside.
     pub(super) fn distance_m(&self, point: DVec3) -> f64 {
-        let distances = self.0.iter().map(|shape| shape.signed_distance_m(point));
-        distances.fold(f64::INFINITY, f64::min)
+        self.0.iter().map(|shape| shape.signed_distance_m(point)).fold(f64::INFINITY, f64::min)
     }
 
     /// Cosine between a taxel's normal and the surface's: the rate at which the distance grows along the normal. It is

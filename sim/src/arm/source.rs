@@ -20,8 +20,7 @@ pub(super) fn read_from_disk(path: &Path) -> Result<String, InputError> {
 
 /// A list of numbers in brackets, each as short as possible.
 pub(super) fn listed(values: &[f64]) -> String {
-    let texts: Vec<String> = values.iter().map(|value| short(*value)).collect();
-    format!("[{}]", texts.join(", "))
+    format!("[{}]", values.iter().map(|value| short(*value)).collect::<Vec<_>>().join(", "))
 }
 
 /// A number rounded to so many significant digits.
@@ -83,8 +82,7 @@ impl Source {
         if values.iter().all(|value| limits.hold(*value)) {
             return Ok(());
         }
-        let allowed = format!("numbers from {limits}");
-        Err(self.fault_at(field, listed(values), allowed))
+        Err(self.fault_at(field, listed(values), format!("numbers from {limits}")))
     }
 
     /// Normalizes the direction vector at `field`; an error if it is too short or too long.

@@ -1,15 +1,13 @@
 //! Where an arm starts: the arm in its start posture, with everything that is needed to draw a clutter; which links pass
 //! through each other; and a start posture for an arm that has none yet, with the room in front of it for clutter and goals.
 
-use std::f64::consts::PI;
-
 use glam::DVec3;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use underbrush_recording::Pose;
 
-use super::{Arm, Link};
+use super::{Arm, Link, within_half_turn};
 use crate::geometry::PlacedShape;
 
 /// An arm, and where it starts.
@@ -180,7 +178,8 @@ impl Room {
                 let Some(posture) = arm.posture_at(place, &from) else { continue };
                 let room = posture.iter().zip(&arm.joints).map(|(angle, joint)| {
                     let [low, high] = joint.controller_limits_rad;
-                    (angle - low).min(high - angle).min(PI - angle.abs()) / (high - low)
+                    let [from, to] = within_half_turn([low, high]);
+                    (angle - from).min(to - angle) / (high - low)
                 });
                 let room = room.fold(f64::INFINITY, f64::min);
                 let Some(overlaps) = self.overlaps(arm, &posture) else { continue };

@@ -109,14 +109,9 @@ pub(super) struct Joint<'a> {
 
 impl<'a> Joint<'a> {
     pub(super) fn of(element: Element<'a>) -> Self {
-        let end = |name| child(element, name).map_or("", |end| text(end, "link"));
-        Joint {
-            element,
-            name: text(element, "name"),
-            kind: text(element, "type"),
-            parent: end("parent"),
-            child: end("child"),
-        }
+        let [name, kind] = ["name", "type"].map(|key| text(element, key));
+        let [parent, child] = ["parent", "child"].map(|end| child(element, end).map_or("", |end| text(end, "link")));
+        Joint { element, name, kind, parent, child }
     }
 
     /// Whether the file lets it move.
@@ -278,8 +273,7 @@ impl<'a> Reader<'a> {
             return Err(self.elements.fault(limit.unwrap_or(joint.element), key, found, &allowed));
         }
         if limits_rad[0] >= limits_rad[1] {
-            let found = format!("{} to {}", limits_rad[0], limits_rad[1]);
-            return Err(fault("limit", &found, "lower below upper, rad"));
+            return Err(fault("limit", &format!("{} to {}", limits_rad[0], limits_rad[1]), "lower below upper, rad"));
         }
         Ok(super::Joint {
             name: joint.name.to_owned(),
@@ -305,8 +299,7 @@ impl<'a> Reader<'a> {
                 }
                 if mass > 0.0 {
                     let frame = *pose * self.pose(child(inertial, "origin"))?;
-                    let inertia = self.inertia(*link, inertial, frame.orientation)?;
-                    parts.push((mass, frame.position, inertia));
+                    parts.push((mass, frame.position, self.inertia(*link, inertial, frame.orientation)?));
                 }
             }
             for collision in named(*link, &["collision"]) {
@@ -343,8 +336,7 @@ impl<'a> Reader<'a> {
         let [xx, xy, xz, yy, yz, zz] = entries;
         let entry = limits::INERTIA_ENTRY_KG_M2;
         if entries.iter().any(|value| !entry.hold(*value)) {
-            let allowed = format!("numbers from {entry}");
-            return Err(self.elements.fault(inertial, "inertia", listed(&entries), &allowed));
+            return Err(self.elements.fault(inertial, "inertia", listed(&entries), &format!("numbers from {entry}")));
         }
         if let Some((found, allowed)) = inertia::fault(entries) {
             let allowed =

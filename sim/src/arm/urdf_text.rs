@@ -117,8 +117,7 @@ impl<'a> Elements<'a> {
 
     /// Links and joints.
     fn owners(&self) -> impl Iterator<Item = Node<'_, 'a>> {
-        let top = children(self.document.root_element());
-        top.filter(|element| matches!(element.tag_name().name(), "link" | "joint"))
+        children(self.document.root_element()).filter(|element| matches!(element.tag_name().name(), "link" | "joint"))
     }
 
     fn check_size(&self) -> Result<(), InputError> {
@@ -155,8 +154,7 @@ impl<'a> Elements<'a> {
             if count > 1 || count == 0 && *is_required {
                 let number = if count == 0 { "no".into() } else { count.to_string() };
                 let found = format!("{number} <{}>", wanted.join("> or <"));
-                let allowed = format!("one in each <{name}>");
-                return Err(self.fault(element, "", found, &allowed));
+                return Err(self.fault(element, "", found, &format!("one in each <{name}>")));
             }
         }
         Ok(())
@@ -187,8 +185,7 @@ pub(super) fn named<'a>(element: Element<'a>, names: &[&str]) -> impl Iterator<I
 
 /// The value of an attribute in any namespace.
 pub(super) fn attribute<'a>(element: Node<'a, '_>, key: &str) -> Option<&'a str> {
-    let found = element.attributes().find(|attribute| attribute.name() == key);
-    found.map(|attribute| attribute.value())
+    element.attributes().find(|attribute| attribute.name() == key).map(|attribute| attribute.value())
 }
 
 /// The numbers of an attribute, if there is one.
@@ -209,8 +206,7 @@ fn parsed(text: &str) -> Option<Vec<f64>> {
 /// The element's name; if there are others of this name before it, with its number, as in `collision[1]`.
 fn part_name(element: Node) -> String {
     let name = element.tag_name().name();
-    let before = element.prev_siblings().skip(1);
-    match before.filter(|other| other.tag_name().name() == name).count() {
+    match element.prev_siblings().skip(1).filter(|other| other.tag_name().name() == name).count() {
         0 => name.to_owned(),
         number => format!("{name}[{number}]"),
     }
@@ -218,8 +214,7 @@ fn part_name(element: Node) -> String {
 
 /// How errors name an attribute of an element in a link or joint, such as `link forearm, inertial.mass.value`.
 fn place(element: Node, key: &str) -> String {
-    let in_robot = element.ancestors().take_while(|around| around.parent_element().is_some());
-    let owner = in_robot.last().unwrap_or(element);
+    let owner = element.ancestors().take_while(|own| own.parent_element().is_some()).last().unwrap_or(element);
     let around = element.ancestors().take_while(|around| *around != owner);
     let key = Some(key.to_owned()).filter(|key| !key.is_empty());
     let mut parts: Vec<String> = key.into_iter().chain(around.map(part_name)).collect();

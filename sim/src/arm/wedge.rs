@@ -7,7 +7,7 @@ use serde::Serialize;
 use underbrush_recording::{Pose, math};
 
 use super::skin_fit::Surface;
-use super::{Arm, Joint};
+use super::{Arm, Joint, within_half_turn};
 
 /// Radius of the ball that is tried, m: a stem, or the rolled edge of a leaf. Choice.
 const BALL_M: f64 = 0.004;
@@ -56,7 +56,7 @@ fn worst(arm: &Arm, first: usize, second: usize) -> Option<Wedge> {
     let places: Vec<DVec3> = around(joint).filter(|place| near(parts.distance_m(*place))).collect();
     let mut worst: Option<Wedge> = None;
     for joint in first..second {
-        let [lower, upper] = arm.joints[joint].limits_rad.map(|limit| limit.clamp(-PI, PI));
+        let [lower, upper] = within_half_turn(arm.joints[joint].limits_rad);
         for step in 0..ANGLES {
             let angle_rad = lower + (upper - lower) * step as f64 / (ANGLES - 1) as f64;
             let links = poses(arm, first, second, Some((joint, angle_rad)));

@@ -27,8 +27,7 @@ pub struct Bound {
 /// Every bounded figure, with the bounds for an arm with this skin.
 pub fn bounds(layout: &SkinLayout) -> impl Iterator<Item = Bound> + use<> {
     // A contact lies no farther from a taxel's centre than the skin reaches around it.
-    let skin_reach_m = layout.patches.iter().map(|patch| reach_m(&patch.taxels));
-    let farthest_contact_m = skin_reach_m.fold(0.0, f64::max);
+    let farthest_contact_m = layout.patches.iter().map(|patch| reach_m(&patch.taxels)).fold(0.0, f64::max);
     Audit::FIELDS.into_iter().filter_map(move |field| {
         let (max, reason) = match field.name {
             "largest_force_residual" => (1e-9, "the skin conserves force; rounding alone gives 1e-15"),

@@ -25,9 +25,9 @@ const STARTS_WITHIN_REACH: usize = 6;
 /// Clearance between the arm at a goal and trunks, rolls and bottles, m. Choice: a finger's breadth.
 const GOAL_MARGIN_M: f64 = 0.02;
 
-/// The goals that the scene lists, or else draws them one by one. The arm passes through a plant on its way from each goal to the next, and has a posture
-/// at each goal that is within its joints' limits and clear of table, foam and obstacles. `for_postures` gives the
-/// postures from which such a one is sought.
+/// The goals that the scene lists, m, world frame, which are not checked; or else goals that are drawn one by one. On its way
+/// from each goal to the next the arm passes through a plant, and it has a posture at each goal that is within its joints'
+/// limits and clear of table, foam and obstacles. `for_postures` gives the postures from which such a one is sought.
 pub(super) fn draw_goals(
     scene: &Scene,
     arm: &ArmAtStart,
@@ -202,9 +202,7 @@ pub(super) fn passes_through(arm: &ArmAtStart, plants: &[Capsule], from: DVec3, 
     let [nearest, _, farthest] = sweeps;
     let at_goal = (nearest.1, farthest.1);
     plants.iter().any(|plant| {
-        sweeps.iter().chain([&at_goal]).any(|(a, b)| {
-            let middle_lines = segment_distance(*a, *b, plant.start, plant.end);
-            middle_lines - plant.radius_m < arm.skin.radius_m
-        })
+        let mut ways = sweeps.iter().chain([&at_goal]);
+        ways.any(|(a, b)| segment_distance(*a, *b, plant.start, plant.end) - plant.radius_m < arm.skin.radius_m)
     })
 }

@@ -1,12 +1,12 @@
 //! The contact law of one patch over one step, and that of an end stop of a joint.
 //!
 //! A patch is an elastic foundation with loss: in a column of area a with the overlap h the pressure is p(h) + τ dp/dt, and
-//! never negative. At small overlaps p is k h (Kelvin-Voigt); [`super::surface`] describes larger ones. Within a step the surfaces part with a constant speed v, so the overlap changes
-//! linearly from h to h − Δt v. The impulse of the column is Δt a times the mean of the pressure over the step.
-//! This is the discrete gradient of the column's potential, so columns make no energy. Where one of the two
-//! trees takes its forces at θ of the step (see [`crate::dynamics`]), the mean is that over the part of the step after
-//! (2 θ − 1) Δt: over the whole step for θ = ½, and the value at its end for θ = 1. All are slopes of convex
-//! functions of v.
+//! never negative. At small overlaps p is k h (Kelvin-Voigt); [`super::surface`] describes larger ones. Within a step the
+//! surfaces part with a constant speed v, so the overlap changes linearly from h to h − Δt v. The impulse of the column is
+//! Δt a times the mean of the pressure over the step. This is the discrete gradient of the column's potential, so columns
+//! make no energy. Where one of the two trees takes its forces at θ of the step (see [`crate::dynamics`]), the mean is that
+//! over the part of the step after (2 θ − 1) Δt: over the whole step for θ = ½, and the value at its end for θ = 1. All are
+//! slopes of convex functions of v.
 //!
 //! Friction acts at the patch's centre of pressure, on the slip (v₁, v₂) there and on the angular velocity ω about the
 //! normal. It is Coulomb friction for a patch whose limit surface is an ellipsoid (Howe & Cutkosky, "Practical

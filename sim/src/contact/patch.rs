@@ -160,8 +160,7 @@ impl Ellipse {
 
     /// Leaves the half that lies in the direction of the gradient.
     fn cut(&mut self, gradient: DVec2) {
-        let across = self.matrix * gradient;
-        let step = across / self.gain(gradient);
+        let step = self.matrix * gradient / self.gain(gradient);
         self.center += step / 3.0;
         let cut = DMat2::from_cols(step * step.x, step * step.y);
         self.matrix = (self.matrix - cut * (2.0 / 3.0)) * (4.0 / 3.0);

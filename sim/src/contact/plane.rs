@@ -55,8 +55,7 @@ impl Pair<'_> {
         let strip = self.box_edge(normal_world).or_else(|| self.most_curved(normal_world));
         let in_plane = strip.map_or(DVec3::ZERO, |strip| strip.reject_from_normalized(normal_world));
         let second = in_plane.normalize_or(normal_world.any_orthonormal_vector());
-        let first = second.cross(normal_world);
-        Plane { origin_world, normal_world, tangents_world: [first, second] }
+        Plane { origin_world, normal_world, tangents_world: [second.cross(normal_world), second] }
     }
 
     /// The shape whose surface gives the normal. A round one beside one with edges: the surface of the other one may consist of
@@ -109,8 +108,7 @@ impl Pair<'_> {
 
     /// The point of a shape that lies farthest along a direction, m, world frame.
     pub fn farthest(&self, side: usize, direction_world: DVec3) -> Option<DVec3> {
-        let shape = self.shapes[side].as_support_map()?;
-        Some(shape.support_point(&parry_pose(&self.poses_world[side]), direction_world))
+        Some(self.shapes[side].as_support_map()?.support_point(&parry_pose(&self.poses_world[side]), direction_world))
     }
 
     /// The longest edge of a box that lies in the tangent plane; for two boxes, the edge of the more slender one.
@@ -138,8 +136,7 @@ impl Pair<'_> {
                 TypedShape::Capsule(capsule) => (capsule.segment.b - capsule.segment.a, capsule.radius),
                 _ => continue,
             };
-            let axis = pose.transform_vector(axis);
-            let across = normal_world.cross(axis).normalize_or_zero();
+            let across = normal_world.cross(pose.transform_vector(axis)).normalize_or_zero();
             let (x, y) = (across.dot(first), across.dot(second));
             xx += x * x / radius;
             xy += x * y / radius;

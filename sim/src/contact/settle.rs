@@ -61,8 +61,7 @@ pub fn settle(
         // it vanishes.
         let normal_world = match &last {
             Some((_, former, former_found_world, _)) => {
-                let former_turn = *former_found_world - former.normal_world;
-                let change = turn - former_turn;
+                let change = turn - (*former_found_world - former.normal_world);
                 let share = (turn.dot(change) / change.length_squared()).clamp(-1.0, 1.0);
                 found_world.lerp(*former_found_world, share)
             }
@@ -90,8 +89,7 @@ pub fn settle(
         normal_world: (plane.normal_world + 0.5 * turn).normalize(),
         region: Some((region.outline.seen_from(center), plane.tangents_world[1])),
     };
-    let is_settled = turn.length() < ALONG_NORMAL_RAD;
-    Some((if is_settled { plane.turned_to(found_world) } else { plane }, next))
+    Some((if turn.length() < ALONG_NORMAL_RAD { plane.turned_to(found_world) } else { plane }, next))
 }
 
 /// How far from the origin of a plane the smaller shape may lie, m.

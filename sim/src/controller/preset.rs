@@ -46,7 +46,7 @@ pub struct Preset {
     pub slow_distance_m: Option<f64>,
     /// Largest change of an equilibrium angle in one step, rad, in addition to the joint's own slew limit.
     pub equilibrium_step_rad: Option<f64>,
-    /// Bound on |φ − q|, rad.
+    /// A step does not bring |φ − q| above this, rad; if it is above already, it does not grow in the step.
     pub equilibrium_offset_rad: Option<f64>,
     /// A joint's φ is reset to q when |φ − q| exceeds this, rad.
     pub equilibrium_reset_rad: Option<f64>,

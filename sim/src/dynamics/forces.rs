@@ -188,8 +188,7 @@ impl Tree {
                 let coordinate = &self.coordinates[at];
                 let (stiffness, spring) = coordinate.spring();
                 let momentum = inertias[index].times(&axes[at]);
-                let columns = std::iter::successors(Some(at), |at| self.coordinates[*at].before);
-                for column in columns {
+                for column in std::iter::successors(Some(at), |at| self.coordinates[*at].before) {
                     mass[at * size + column] = axes[column].dot(&momentum);
                 }
                 let damping = coordinate.spring.damping;

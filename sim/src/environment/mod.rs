@@ -89,8 +89,7 @@ impl Environment {
             let allowed = format!("1 to {available}, the goals of scene {}", plan.scene.name);
             return Err(InputError::new("the environment", "goals", found, allowed, "ask for fewer goals"));
         }
-        let parts = observation::parts(&plan.arm);
-        Ok(Environment { plan, options, parts, next: 0, episode: None })
+        Ok(Environment { parts: observation::parts(&plan.arm), plan, options, next: 0, episode: None })
     }
 
     /// The parts of an observation.
@@ -167,8 +166,7 @@ impl Episode {
     }
 
     fn distance_m(&self) -> f64 {
-        let end_effector_world = self.simulation.report().end_effector_pose_world.position;
-        end_effector_world.distance(self.goal_world())
+        self.simulation.report().end_effector_pose_world.position.distance(self.goal_world())
     }
 
     fn observe(&self, parts: &[Part], row: &mut [f32]) {

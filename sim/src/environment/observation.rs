@@ -88,8 +88,7 @@ pub(super) fn write(
         row[first.first..last.first + last.size()].fill(0.0);
     }
     for reading in &report.tactile.taxels {
-        let part = &taxels[usize::from(reading.patch)];
-        row[part.first + usize::from(reading.taxel)] = reading.sensed_force_n as f32;
+        row[taxels[usize::from(reading.patch)].first + usize::from(reading.taxel)] = reading.sensed_force_n as f32;
     }
     for part in parts {
         let [low, high] = part.range;

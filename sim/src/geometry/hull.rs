@@ -22,8 +22,7 @@ pub fn convex_hull(corners: &[DVec3]) -> Option<SharedShape> {
     if corners.len() > MAX_CORNERS {
         return None;
     }
-    let farthest = corners.iter().map(|corner| corner.distance(corners[0]));
-    let near_m = FLAT * farthest.fold(0.0, f64::max);
+    let near_m = FLAT * corners.iter().map(|corner| corner.distance(corners[0])).fold(0.0, f64::max);
     let mut apart: Vec<DVec3> = Vec::new();
     for corner in corners {
         if apart.iter().all(|other| other.distance(*corner) > near_m) {
@@ -37,8 +36,7 @@ pub fn convex_hull(corners: &[DVec3]) -> Option<SharedShape> {
     let place = |corner: usize| used.range(..corner).count() as u32;
     let triangles = faces.iter().flat_map(|face| (2..face.len()).map(|last| [face[0], face[last - 1], face[last]]));
     let triangles: Vec<[u32; 3]> = triangles.map(|own| own.map(place)).collect();
-    let points = used.iter().map(|corner| corners[*corner]).collect();
-    SharedShape::convex_mesh(points, &triangles)
+    SharedShape::convex_mesh(used.iter().map(|corner| corners[*corner]).collect(), &triangles)
 }
 
 /// The corners of each face, counterclockwise from outside.

@@ -45,8 +45,7 @@ impl Kind for FoamBlock {
     fn draw(drawing: &mut Drawing<'_>, _: &Footing) -> Result<Self, DrawError> {
         let height_m = drawing.quantity("height_m")?;
         let wet = drawing.happens("wet_share")?;
-        let modulus = if wet { "wet_modulus_pa" } else { "dry_modulus_pa" };
-        let modulus_pa = drawing.quantity(modulus)?;
+        let modulus_pa = drawing.quantity(if wet { "wet_modulus_pa" } else { "dry_modulus_pa" })?;
         Ok(FoamBlock { height_m, wet, modulus_pa, stands_free: drawing.quantity("stands_free")?.round() == 1.0 })
     }
 }

@@ -135,8 +135,7 @@ impl Plant {
     /// What is recorded of it.
     pub(in crate::object) fn values(&self) -> Parameters {
         let mut parameters = self.drawn.values();
-        let root = self.root_stiffness_nm_per_rad;
-        parameters.extend(root.map(|stiffness| ("root_stiffness_nm_per_rad", stiffness)));
+        parameters.extend(self.root_stiffness_nm_per_rad.map(|own| ("root_stiffness_nm_per_rad", own)));
         parameters
     }
 
@@ -243,8 +242,7 @@ impl Plant {
             }
             let length_m = end_m - hinge.place_m;
             let center = DVec3::Z * (0.5 * length_m);
-            let mass_kg = self.stem_mass_kg() * length_m / height_m;
-            let inertia = Inertia::of_cylinder(mass_kg, radius_m, length_m);
+            let inertia = Inertia::of_cylinder(self.stem_mass_kg() * length_m / height_m, radius_m, length_m);
             let bends = vec![(Axis::about(DVec3::X), spring), (Axis::about(DVec3::Y), spring)];
             bodies.push(Body {
                 joint: Some(Joint::parallel(bodies.len() - 1, origin_parent, bends)),

@@ -127,8 +127,7 @@ impl Object for WaterBottle {
             ..Body::foot()
         };
         // Hard, like the other shells of plastic: where a wall bends under a push, it bends locally.
-        let surface = Surface::hard(self.friction);
-        Structure { bodies: vec![Body::foot(), bottle], axisymmetric: true, surface }
+        Structure { bodies: vec![Body::foot(), bottle], axisymmetric: true, surface: Surface::hard(self.friction) }
     }
 }
 

@@ -109,8 +109,7 @@ impl ContactLog {
     fn observe(&mut self, frame: u32, pairs: &[(ContactPair, DVec3)]) {
         for (pair, force) in pairs {
             let force_n = force.length();
-            let begun = Course { first_frame: frame, ..Course::default() };
-            let course = self.open.entry(*pair).or_insert(begun);
+            let course = self.open.entry(*pair).or_insert(Course { first_frame: frame, ..Course::default() });
             course.last_frame = frame;
             course.peak_force_n = course.peak_force_n.max(force_n);
             course.force_sum_n += force_n;

@@ -65,8 +65,7 @@ impl Scene {
     }
 
     fn read(path: &Path, remedy: &str) -> Result<Scene, InputError> {
-        let text = read_text(path, &TEXT_BYTES, "a readable scene file", remedy)?;
-        Scene::of_text(path, text)
+        Scene::of_text(path, read_text(path, &TEXT_BYTES, "a readable scene file", remedy)?)
     }
 
     /// A scene that ships, by its name, or one from a file.
@@ -137,8 +136,7 @@ impl Scene {
 
     /// The file of its arm; `None` for the arm that ships.
     pub fn arm_path(&self) -> Option<PathBuf> {
-        let folder = self.path.parent().unwrap_or(Path::new("."));
-        (self.file.arm != "cody").then(|| folder.join(&self.file.arm))
+        (self.file.arm != "cody").then(|| self.path.parent().unwrap_or(Path::new(".")).join(&self.file.arm))
     }
 
     /// Its arm as the arm's files have it, without the scale factors of the scene.
@@ -233,8 +231,7 @@ impl Scene {
     /// The categories of its objects, by name.
     pub fn categories(&self) -> BTreeMap<&'static str, Category> {
         let groups = self.file.objects.groups();
-        let categories = groups.iter().map(|(_, _, group)| group.category);
-        categories.map(|category| (category.name(), category)).collect()
+        groups.iter().map(|(_, _, group)| (group.category.name(), group.category)).collect()
     }
 
     /// Whether something in the scene may be judged to be of this name: a category of its objects, a built-in one, or `unknown`.
@@ -267,13 +264,11 @@ impl Scene {
 
     /// Checks that a frame is a whole number of steps.
     fn check_steps(&self) -> Result<(), InputError> {
-        let physics = &self.file.physics;
-        let steps = FRAME_PERIOD_S / physics.step_s;
-        if (steps - steps.round()).abs() > 1e-6 {
-            let allowed = "10 ms or a whole fraction of it (0.005, 0.0025, 0.002, 0.001 ... 0.0001)";
-            return Err(self.fault("physics.step_s", short(physics.step_s), allowed));
-        }
-        Ok(())
+        let step_s = self.file.physics.step_s;
+        let steps = FRAME_PERIOD_S / step_s;
+        let allowed = "10 ms or a whole fraction of it (0.005, 0.0025, 0.002, 0.001 ... 0.0001)";
+        let is_off = (steps - steps.round()).abs() > 1e-6;
+        self.refuse(is_off.then(|| ("physics.step_s".into(), short(step_s), allowed.into())))
     }
 
     fn check_objects(&self) -> Result<(), InputError> {
@@ -320,8 +315,7 @@ impl Scene {
 
     /// An error about a range at this place of the file from which nothing could be drawn.
     pub(crate) fn draw_fault(&self, place: &str, error: DrawError) -> InputError {
-        let field = format!("{place}.{}", error.name);
-        self.fault(&field, error, "a range most of whose values are physically possible")
+        self.fault(&format!("{place}.{}", error.name), error, "a range most of whose values are physically possible")
     }
 
     /// An error about this file, at the line that sets `field`.

@@ -2,53 +2,27 @@
 //! the folder `scenes` of the repository, so that the package of this crate contains them.
 
 macro_rules! shipped {
-    ($($path:literal),* $(,)?) => {
+    ($($folder:literal: $($name:literal)*;)*) => {
         /// The scenes that ship: path below the folder `scenes`, and text.
-        const SHIPPED: &[(&str, &str)] = &[$(($path, include_str!(concat!("../../scenes/", $path)))),*];
+        const SHIPPED: &[(&str, &str)] = &[$($((
+            concat!($folder, $name, ".toml"),
+            include_str!(concat!("../../scenes/", $folder, $name, ".toml")),
+        ),)*)*];
     };
 }
-
-shipped![
-    "leaf.toml",
-    "trunk.toml",
-    "mixed.toml",
-    "outlier.toml",
-    "bottle.toml",
-    "shrub.toml",
-    "pot.toml",
-    "loose.toml",
-    "engineered/leaf-clump.toml",
-    "engineered/leaf-right.toml",
-    "engineered/leaf-row.toml",
-    "engineered/leaf-stiff.toml",
-    "engineered/leaf-tall.toml",
-    "engineered/trunk-gate.toml",
-    "engineered/trunk-post.toml",
-    "engineered/trunk-right.toml",
-    "engineered/trunk-row.toml",
-    "engineered/trunk-thick.toml",
-    "passage/hedge.toml",
-    "passage/gate.toml",
-    "varied/varied-leaves.toml",
-    "varied/varied-trunks.toml",
-    "auxiliary/soft-rolls.toml",
-    "auxiliary/stiff-poles.toml",
-    "auxiliary/free-cylinders.toml",
-    "auxiliary/stalks.toml",
-    "unknown/soft-roll.toml",
-    "unknown/hard-roll.toml",
-    "unknown/full-bottle.toml",
-    "unknown/springy-branch.toml",
-    "unknown/cloth-leaf.toml",
-    "unknown/thick-post.toml",
-];
+shipped! {
+    "": "leaf" "trunk" "mixed" "outlier" "bottle" "shrub" "pot" "loose";
+    "engineered/": "leaf-clump" "leaf-right" "leaf-row" "leaf-stiff" "leaf-tall"
+        "trunk-gate" "trunk-post" "trunk-right" "trunk-row" "trunk-thick";
+    "passage/": "hedge" "gate";
+    "varied/": "varied-leaves" "varied-trunks";
+    "auxiliary/": "soft-rolls" "stiff-poles" "free-cylinders" "stalks";
+    "unknown/": "soft-roll" "hard-roll" "full-bottle" "springy-branch" "cloth-leaf" "thick-post";
+}
 
 /// The scenes that ship: name and text.
 pub fn shipped_by_name() -> impl Iterator<Item = (&'static str, &'static str)> {
-    SHIPPED.iter().map(|(path, text)| {
-        let file = path.rsplit('/').next().unwrap_or(path);
-        (file.trim_end_matches(".toml"), *text)
-    })
+    SHIPPED.iter().map(|(path, text)| (path.rsplit('/').next().unwrap_or(path).trim_end_matches(".toml"), *text))
 }
 
 /// The text of a scene, by its path in the folder `scenes`; `None` if no such scene ships.

@@ -147,8 +147,7 @@ impl Sensor {
     /// A taxel's reading after the last sample, N.
     pub fn reading_n(&self, patch: usize, taxel: usize) -> f64 {
         // The slot after the newest holds the oldest.
-        let oldest = (self.newest + 1) % self.readings_n.len();
-        self.readings_n[oldest][self.patches[patch].1.start + taxel]
+        self.readings_n[(self.newest + 1) % self.readings_n.len()][self.patches[patch].1.start + taxel]
     }
 }
 

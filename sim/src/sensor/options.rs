@@ -211,8 +211,7 @@ impl SensorOptions {
                 return Some(("dead_taxels".into(), format!("{found} taxels"), allowed));
             }
             let invalid = taxels.iter().find(|taxel| usize::from(**taxel) >= count)?;
-            let allowed = format!("0 to {} on {name}", count - 1);
-            Some(("dead_taxels".into(), invalid.to_string(), allowed))
+            Some(("dead_taxels".into(), invalid.to_string(), format!("0 to {} on {name}", count - 1)))
         })
     }
 }

@@ -28,8 +28,7 @@ struct Sum {
 pub(super) fn contact_points(report: &FrameReport, body: impl Fn(&Contact) -> u16) -> Vec<ContactPoint> {
     let mut sums: Vec<Sum> = Vec::new();
     for (contact, patch) in report.contacts.iter().zip(&report.tactile.contact_patch) {
-        let object = contact.object.map(|object| object as u16);
-        let place = (contact.link as u16, *patch, object, body(contact));
+        let place = (contact.link as u16, *patch, contact.object.map(|object| object as u16), body(contact));
         let at = sums.iter().position(|sum| sum.place == place).unwrap_or_else(|| {
             sums.push(Sum { place, ..Sum::default() });
             sums.len() - 1

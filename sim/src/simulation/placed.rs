@@ -207,8 +207,7 @@ impl Scene {
 
     /// The trees that can move.
     pub(super) fn trees_mut(&mut self) -> impl Iterator<Item = &mut Tree> {
-        let trees = self.placed.iter_mut().flatten().map(|placed| &mut placed.tree);
-        trees.filter(|tree| !tree.coordinates.is_empty())
+        self.placed.iter_mut().flatten().map(|placed| &mut placed.tree).filter(|tree| !tree.coordinates.is_empty())
     }
 
     /// Lets roots slide, and what hangs on those that come out collide with everything.
@@ -256,8 +255,7 @@ impl Scene {
 
     /// The rule of the tree that damps more, of those that the links belong to.
     pub(super) fn theta(&self, links: &[Option<PlacedLink>; 2]) -> Theta {
-        let thetas = links.iter().flatten().map(|link| self.tree(link.slot).theta());
-        thetas.fold(Theta::MIDPOINT, Theta::or_more)
+        links.iter().flatten().map(|link| self.tree(link.slot).theta()).fold(Theta::MIDPOINT, Theta::or_more)
     }
 
     /// The pose of a link, world frame.

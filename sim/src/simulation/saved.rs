@@ -1,8 +1,8 @@
 //! Saving the state of a simulation, and continuing from it.
 //!
-//! A saved state holds what changes: joint trees, shapes and contacts, the
-//! sensor with its random streams, the last report, and the last equilibrium angles. It does not hold the arm and the clutter; their fingerprint
-//! tells whether a saved state belongs to them.
+//! A saved state holds what changes: joint trees, shapes and contacts, the sensor with its random streams, the last
+//! report, and the last equilibrium angles. It does not hold the arm and the clutter; their fingerprint tells whether a
+//! saved state belongs to them.
 
 use underbrush_recording::Fault;
 

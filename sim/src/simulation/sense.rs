@@ -98,8 +98,7 @@ pub(super) fn sense(
     wrenches.resize(patches.len(), PatchWrenches::default());
     touches.clear();
     for (number, (contact, collider)) in contacts.iter().zip(&world.contact_colliders).enumerate() {
-        let pose = world.link_pose(contact.link);
-        let point = contact.in_link_frame(&pose);
+        let point = contact.in_link_frame(&world.link_pose(contact.link));
         let patch = patches.iter().position(|patch| patch.link == contact.link && patch.covers(&point));
         let number_of_patch = patch.map(|patch| patch as u16);
         tactile.contact_patch.push(number_of_patch);

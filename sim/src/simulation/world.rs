@@ -115,8 +115,7 @@ impl World {
         let (base, foot_world) = part(&objects[0]);
         for object in objects.iter().filter(|object| model.structures[**object].can_be_pulled_out()) {
             let placed = &model.clutter.objects[*object];
-            let ground = placed.stands_on.map_or(placed, |base| &model.clutter.objects[base]);
-            self.engine.lay_table(ground.foot_world.z);
+            self.engine.lay_table(placed.stands_on.map_or(placed, |base| &model.clutter.objects[base]).foot_world.z);
         }
         let mechanism = Mechanism::build_with(base, &mut self.engine, foot_world, *carrier, &carried);
         let kind = |link| model.clutter.objects[model.object_of(index, link).0].object.kind();

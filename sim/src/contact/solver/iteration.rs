@@ -63,8 +63,7 @@ impl Solver {
             if !self.find_step(false) {
                 return convergence;
             }
-            let share = self.line_search();
-            self.go(share);
+            self.go(self.line_search());
             self.evaluate(false);
         }
     }
@@ -91,8 +90,7 @@ impl Solver {
             if !self.find_step(false) {
                 return;
             }
-            let share = self.line_search();
-            self.go(share);
+            self.go(self.line_search());
         }
     }
 
@@ -162,8 +160,7 @@ impl Solver {
                 let block = self.blocks[side.block];
                 let columns = &self.columns[side.columns..side.columns + block.size];
                 for (column, sum) in columns.iter().zip(&mut self.impulse[block.offset..]) {
-                    let parts = column.iter().zip(&impulse).map(|(entry, impulse)| entry * impulse);
-                    *sum += parts.sum::<f64>();
+                    *sum += column.iter().zip(&impulse).map(|(entry, impulse)| entry * impulse).sum::<f64>();
                 }
             }
         }

@@ -160,8 +160,7 @@ impl Stiffness {
     fn new(patch: &Patch, is_coupled: bool) -> Self {
         let (normal, friction) = (&patch.normal, &patch.friction);
         let coupling = if is_coupled && patch.limit > 0.0 {
-            let by_limit = friction.impulse / patch.limit;
-            by_limit * normal.stiffness.row(0) * patch.law.interface.friction
+            friction.impulse / patch.limit * normal.stiffness.row(0) * patch.law.interface.friction
         } else {
             Matrix3::zeros()
         };

@@ -58,8 +58,7 @@ impl ArmShapes {
             let extent_m = around.start.length().max(around.end.length()) + around.radius_m;
             let part =
                 Part { link, lever_m: levers_m(arm, link, extent_m), shape, around, is_capsule, above_floor: true };
-            let above_floor = part.above_m(&start[link], floor_height_m) > 0.0;
-            Part { above_floor, ..part }
+            Part { above_floor: part.above_m(&start[link], floor_height_m) > 0.0, ..part }
         });
         let parts: Vec<Part> = parts.collect();
         let of_base = parts.iter().filter(|part| part.link == 0).count();
@@ -108,8 +107,7 @@ impl ArmShapes {
             if around_near.is_farther(middle, reach_m + share * moved_m + ROUNDING_M) {
                 continue;
             }
-            let room_m = positive(near.distance_to_part_m(far, link_poses))?;
-            share = share.min(room_m / moved_m);
+            share = share.min(positive(near.distance_to_part_m(far, link_poses))? / moved_m);
         }
         Some(share)
     }
@@ -228,8 +226,7 @@ fn around_points(points: &[DVec3]) -> Capsule {
     let longest = DVec3::AXES.into_iter().max_by(|a, b| half.dot(*a).total_cmp(&half.dot(*b))).unwrap_or(DVec3::Z);
     let across = |point: &DVec3| (*point - middle).reject_from_normalized(longest).length();
     let along = longest * half.dot(longest);
-    let radius_m = points.iter().map(across).fold(0.0, f64::max);
-    Capsule { start: middle - along, end: middle + along, radius_m }
+    Capsule { start: middle - along, end: middle + along, radius_m: points.iter().map(across).fold(0.0, f64::max) }
 }
 
 /// For each joint that moves a link, the largest distance of the link's points from the joint, m, if they are at most

@@ -37,8 +37,7 @@ impl BareSurface {
         };
         let mut points = Vec::new();
         for (link, capsule) in shapes.capsules_link() {
-            let axis = (capsule.end - capsule.start).normalize_or(DVec3::Z);
-            let (side, other) = axis.any_orthonormal_pair();
+            let (side, other) = (capsule.end - capsule.start).normalize_or(DVec3::Z).any_orthonormal_pair();
             for station in 0..STATIONS {
                 let middle = capsule.start.lerp(capsule.end, (station as f64 + 0.5) / STATIONS as f64);
                 for direction in 0..DIRECTIONS {

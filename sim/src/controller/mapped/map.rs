@@ -118,6 +118,8 @@ impl Obstacle {
         let normal = touch.outward_normal_world;
         let point = touch.position_world;
         let length = math::hypot(normal.x, normal.y);
+        // A steep normal has no direction along which the axis is known better. The deviations are then those of the world's x
+        // and y, so what such a touch tells depends on how the base is turned. Both are far below the diameter of a stem.
         let rows = match length < LEAST_HORIZONTAL {
             true => [(RowVector3::new(1.0, 0.0, 0.0), point.x), (RowVector3::new(0.0, 1.0, 0.0), point.y)],
             false => {
@@ -201,8 +203,7 @@ impl Map {
         let mut own = self.obstacles.remove(index);
         if own.has_given_way {
             // It is where it was touched last, wherever the arm has pushed it.
-            let moved = Obstacle { has_given_way: !has_stopped, ..Obstacle::new(touch) };
-            self.obstacles.push(moved);
+            self.obstacles.push(Obstacle { has_given_way: !has_stopped, ..Obstacle::new(touch) });
             return has_stopped;
         }
         let is_one_touch = !has_stopped && touch.time_s - own.touched_s < ONE_TOUCH_S;
@@ -258,13 +259,11 @@ impl Map {
 
     /// The obstacles as a planner sees them.
     pub fn capsules(&self, caution: Caution, top_m: f64) -> Vec<Capsule> {
-        let obstacles = self.obstacles.iter().filter(|own| !own.has_given_way);
-        obstacles.map(|own| own.capsule(caution, top_m)).collect()
+        self.obstacles.iter().filter(|own| !own.has_given_way).map(|own| own.capsule(caution, top_m)).collect()
     }
 
     /// The obstacles in the form that recordings hold, without those that have given way.
     pub(super) fn described(&self, top_m: f64) -> Vec<MappedObstacle> {
-        let obstacles = self.obstacles.iter().filter(|own| !own.has_given_way);
         let describe = |own: &Obstacle| {
             let capsule = own.capsule(Caution::NONE, top_m);
             MappedObstacle {
@@ -276,7 +275,7 @@ impl Map {
                 last_frame: 0,
             }
         };
-        obstacles.map(describe).collect()
+        self.obstacles.iter().filter(|own| !own.has_given_way).map(describe).collect()
     }
 }
 

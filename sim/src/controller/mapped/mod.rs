@@ -11,7 +11,7 @@
 use std::collections::VecDeque;
 
 use nalgebra::DVector;
-use underbrush_recording::{MappedObstacle, Pose};
+use underbrush_recording::{Frame, MappedObstacle, Pose};
 
 use super::{ControlStatus, Controller, ControllerInput, ControllerOutput, Intent, Preset, TaxelContact};
 use crate::arm::Arm;
@@ -95,6 +95,8 @@ pub struct Mapped {
     plans: u64,
     /// Postures on the way that the arm came, the latest first.
     trail: VecDeque<Vec<f64>>,
+    /// The goal's index in the reach, and its pursuit. Two goals in a row may be at the same place.
+    goal_index: u16,
     pursuit: Option<Pursuit>,
 }
 
@@ -118,6 +120,7 @@ impl Mapped {
             velocity_rad_per_s: vec![0.0; arm.joints.len()],
             plans: 0,
             trail: VecDeque::new(),
+            goal_index: 0,
             pursuit: None,
         }
     }
@@ -251,14 +254,20 @@ impl Controller for Mapped {
         self.preset.rate_hz
     }
 
+    fn observe(&mut self, frame: &Frame) {
+        if std::mem::replace(&mut self.goal_index, frame.goal_index) != frame.goal_index {
+            self.pursuit = None;
+        }
+    }
+
     fn map(&self) -> Vec<MappedObstacle> {
         self.map.described(self.top_m)
     }
 
     fn control(&mut self, input: &ControllerInput) -> ControllerOutput {
         self.time_s += 1.0 / self.preset.rate_hz;
-        let blind = self.without_verdicts(&input.contacts);
-        let blind = blind.map(|contacts| ControllerInput { contacts, ..input.clone() });
+        let contacts = self.without_verdicts(&input.contacts);
+        let blind = contacts.map(|contacts| ControllerInput { contacts, ..input.clone() });
         let input = blind.as_ref().unwrap_or(input);
         let poses = self.arm.forward_kinematics(&input.joint_angle_rad);
         self.map.visit(&self.shapes, &poses, self.top_m, self.time_s);

@@ -116,8 +116,7 @@ impl<'a> Planner<'a> {
         if self.forbidden.iter().any(is_forbidden) {
             return None;
         }
-        let link_poses = self.arm.forward_kinematics(posture_rad);
-        self.shapes.free_share(&link_poses, change_rad, self.obstacles, self.margin_m)
+        self.shapes.free_share(&self.arm.forward_kinematics(posture_rad), change_rad, self.obstacles, self.margin_m)
     }
 
     /// Whether the straight way from a free posture to another one is free.

@@ -60,8 +60,7 @@ impl ContactStep {
                 deflection_about_normal: deflection[2],
             };
             let normal = to_body(candidate.next.normal_world);
-            let own = Kept { bodies: candidate.bodies, normal, patch: Some(patch) };
-            kept.push((key(&candidate.colliders), own));
+            kept.push((key(&candidate.colliders), Kept { bodies: candidate.bodies, normal, patch: Some(patch) }));
         }
         kept.append(&mut scratch.apart);
         kept.sort_unstable_by_key(|(pair, _)| *pair);

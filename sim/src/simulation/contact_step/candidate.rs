@@ -180,8 +180,7 @@ impl Meeting<'_> {
     /// Whether no column along this direction can press in this step.
     fn are_apart(&self, normal_world: DVec3) -> bool {
         let farthest = |side, direction_world| self.pair.farthest(side, direction_world);
-        let ends_world = farthest(0, -normal_world).zip(farthest(1, normal_world));
-        let Some((lowest, highest)) = ends_world else { return false };
+        let Some((lowest, highest)) = farthest(0, -normal_world).zip(farthest(1, normal_world)) else { return false };
         let gap_m = (lowest - highest).dot(normal_world);
         let stays_apart = |point| -gap_m <= self.closing_m(&self.motions(point), normal_world, -gap_m);
         gap_m > 0.0 && [lowest, highest].into_iter().all(stays_apart)

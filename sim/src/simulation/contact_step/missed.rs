@@ -38,14 +38,12 @@ impl Meeting<'_> {
         // Columns of the overlap lie within the smaller shape.
         let [first, second] = [0, 1].map(|side| {
             let sphere = self.pair.shapes[side].compute_local_bounding_sphere();
-            let center_world = self.pair.poses_world[side].transform_point(sphere.center);
-            (center_world, sphere.radius)
+            (self.pair.poses_world[side].transform_point(sphere.center), sphere.radius)
         });
         let (center_world, radius_m) = if first.1 < second.1 { first } else { second };
         let plane = self.pair.plane(center_world, normal_world);
         let (place, overlap_m) = Columns::new(&self.pair, &plane, faces)?.common(radius_m)?;
-        let origin_world = center_world + plane.vector_world(place.x, place.y);
-        Some((Plane { origin_world, ..plane }, overlap_m))
+        Some((Plane { origin_world: center_world + plane.vector_world(place.x, place.y), ..plane }, overlap_m))
     }
 
     /// Where the shapes overlap most according to parry: a point, the direction and the overlap, m.
@@ -68,8 +66,7 @@ fn least_overlap(pair: &Pair) -> (DVec3, f64) {
     let crossed = own.iter().flat_map(|a| other.iter().map(|b| a.cross(*b)));
     let across = axes.iter().flatten().map(|axis| between.reject_from(*axis));
     let of_hulls = [0, 1].into_iter().flat_map(|side| {
-        let normals = hull_normals(pair.shapes[side]);
-        normals.map(move |normal| pair.poses_world[side].transform_vector(normal))
+        hull_normals(pair.shapes[side]).map(move |normal| pair.poses_world[side].transform_vector(normal))
     });
     let directions = axes.iter().flatten().copied();
     let directions = directions.chain(of_hulls).chain(across).chain(crossed).chain([between]);

@@ -146,8 +146,7 @@ impl ContactStep {
                 Found::Patch(candidate) => scratch.candidates.push(candidate),
                 Found::Apart(normal_world) => scratch.apart.push((key(colliders), meeting.kept_apart(normal_world))),
                 Found::Nothing => {
-                    let missed_m = meeting.overlap_m(&mut scratch.faces);
-                    self.missed_overlap_m = self.missed_overlap_m.max(missed_m);
+                    self.missed_overlap_m = self.missed_overlap_m.max(meeting.overlap_m(&mut scratch.faces));
                 }
             }
         }

@@ -85,8 +85,7 @@ fn collider(scene: &Scene, collider: ColliderHandle) -> Option<ColliderDescripti
             let (start, end) = (capsule.segment.a, capsule.segment.b);
             let (radius_m, length_m) = (capsule.radius, start.distance(end));
             let center = WorldPose::from_position((start + end) / 2.0);
-            let axis = (end - start).normalize_or(DVec3::Z);
-            (BodyShape::Capsule { radius_m, length_m }, center * along(axis))
+            (BodyShape::Capsule { radius_m, length_m }, center * along((end - start).normalize_or(DVec3::Z)))
         }
         TypedShape::ConvexPolyhedron(hull) => {
             (BodyShape::Hull { points_m: hull.points().to_vec() }, WorldPose::IDENTITY)

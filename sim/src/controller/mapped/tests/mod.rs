@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
 use nalgebra::Matrix3xX;
-use underbrush_recording::{ObstacleKind, Pose};
+use underbrush_recording::{Frame, ObstacleKind, Pose};
 
 use super::arm_shapes::ArmShapes;
 use super::bare::BareSurface;
@@ -285,6 +285,31 @@ fn damping_says_how_fast_the_arm_pushes_on() {
         let expected_rad = 0.5 * slow * missing_rad[joint] / 25.0;
         assert!((growth_rad / expected_rad - 1.0).abs() < 1e-6, "{growth_rad} rad, {expected_rad} rad");
     }
+}
+
+/// Tests that the pursuit of a goal begins anew where the goal before was, if that was given up.
+#[test]
+fn the_same_goal_is_pursued_again() {
+    let arm = Arm::cody().unwrap();
+    let mut own = Mapped::new(Preset::cody_2013(), &arm);
+    let q = arm.start_posture_rad();
+    let end_effector = arm.end_effector_pose(&arm.forward_kinematics(&q));
+    let input = ControllerInput {
+        joint_angle_rad: q.clone(),
+        joint_velocity_rad_per_s: vec![0.0; 7],
+        equilibrium_angle_rad: q,
+        end_effector_pose_world: end_effector,
+        end_effector_jacobian: Matrix3xX::zeros(7),
+        goal_position_world: end_effector.position + DVec3::Z * 0.03,
+        contacts: Vec::new(),
+    };
+    let given_up = [0, 0, 1].map(|goal_index| {
+        own.observe(&Frame { goal_index, ..Frame::blank(7) });
+        let intent = own.control(&input).intent;
+        own.pursuit.as_mut().unwrap().given_up = Some("stopped".into());
+        matches!(intent, Intent::GivenUp(_))
+    });
+    assert_eq!(given_up, [false, true, false]);
 }
 
 /// Tests that a force on a part without skin is found where it acts, from the torques of the joints alone, and that
