@@ -4,9 +4,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use serde_json::Value;
 use underbrush_classifier::evaluate::EvaluateError;
 use underbrush_classifier::evaluate::touch_folds::ReadReaches;
-use underbrush_classifier::{DataKind, DataSource, ModelError};
+use underbrush_classifier::trial::Unit;
+use underbrush_classifier::{DataKind, DataSource, ModelError, Provenance};
 use underbrush_experiments::{contact_trials, model_data};
 use underbrush_recording::disk::{
     Dataset, DiskError, file_blake3, is_folder, is_recording, is_there, read_recording, read_trials, with_recordings,
@@ -36,6 +38,8 @@ pub fn only(paths: &[PathBuf]) -> Result<&Path, Failure> {
 pub struct TrialInput {
     pub trials: Vec<Trial>,
     pub data: Vec<DataSource>,
+    /// What a trial of a data set or a recording is made of. A table does not say it.
+    by: Unit,
 }
 
 impl TrialInput {
@@ -43,11 +47,41 @@ impl TrialInput {
     pub fn is_table(&self) -> bool {
         self.data.iter().any(|own| own.kind == DataKind::Trials)
     }
+
+    /// Warns if these trials, read from `path`, are of taxels and those that a model was fitted to of components, or the reverse.
+    pub fn warn_of_unit(&self, path: &Path, model: &Provenance) {
+        let own = if self.by == Unit::Taxel { "taxel" } else { "component" };
+        let fitted = model.options.get("by").and_then(Value::as_str).filter(|fitted| *fitted != own);
+        if let Some(fitted) = fitted.filter(|_| !self.is_table()) {
+            let path = path.display();
+            output::remark(format!(
+                "warning: {path}: trials by {own}, but the model was fitted to trials by {fitted}, so do not trust its verdicts here; \
+                 use trials by {fitted}"
+            ));
+        }
+    }
 }
 
 /// As [`trials`]; an error if there are none. Remarks that the preset does not change the labels of a table.
 pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<TrialInput, Failure> {
-    let read = trials(path, arguments)?;
+    some_of(trials(path, arguments)?, path, arguments)
+}
+
+/// As [`some_trials`], and all trials of any length beside them. The path is read once.
+pub fn some_of_all_trials(
+    path: &Path,
+    arguments: &TrialArguments,
+) -> Result<(TrialInput, Option<Vec<Trial>>), Failure> {
+    let mut read = trials(path, &arguments.of_any_length())?;
+    let all = Some(read.trials.clone());
+    read.trials.retain(|trial| trial.samples.len() >= arguments.min_samples());
+    if !read.is_table() {
+        read.trials.iter_mut().zip(0..).for_each(|(trial, number)| trial.trial = number);
+    }
+    Ok((some_of(read, path, arguments)?, all))
+}
+
+fn some_of(read: TrialInput, path: &Path, arguments: &TrialArguments) -> Result<TrialInput, Failure> {
     let is_table = read.is_table();
     let path = path.display();
     if is_table && arguments.is_paper() {
@@ -125,7 +159,7 @@ pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<TrialInput, Fai
         trials.retain(|trial| trial.samples.len() >= arguments.min_samples());
         (trials, data)
     };
-    Ok(TrialInput { trials, data })
+    Ok(TrialInput { trials, data, by: arguments.options()?.by })
 }
 
 /// Reads the name of a controller.

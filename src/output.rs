@@ -4,10 +4,9 @@
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use underbrush_recording::{escaped, is_plain};
 use underbrush_report::drawing::Rows;
 
@@ -97,9 +96,4 @@ pub fn csv<'a, T: Serialize>(
 /// A share in per cent, for people; `-` if it is not known.
 pub fn percent(share: impl Into<Option<f64>>) -> String {
     share.into().map_or("-".into(), |share| format!("{:.1}", 100.0 * share))
-}
-
-/// A path as text in a result. Bytes that are not UTF-8 are replaced, which affects only what is shown.
-pub fn path<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_str(&path.display())
 }

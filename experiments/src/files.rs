@@ -1,5 +1,6 @@
 //! Reads the TOML files of experiments and suites, and finds the lines of their keys for errors; writes the files of results.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
@@ -15,6 +16,15 @@ pub fn create_folder(folder: &Path) -> Result<(), Fault> {
 /// Creates the folders above a file.
 pub fn create_parents(path: &Path) -> Result<(), Fault> {
     path.parent().map_or(Ok(()), create_folder)
+}
+
+/// Removes a file or folder, if it is there.
+pub fn remove(path: &Path) -> Result<(), Fault> {
+    let removed = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+    match removed {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(storage(path, "remove")(error)),
+        _ => Ok(()),
+    }
 }
 
 /// Writes a file completely or not at all, and creates its parent folders.

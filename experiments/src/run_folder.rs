@@ -80,7 +80,7 @@ impl Plan {
                     "{place}: another process is at work in this folder; wait for it, or choose another folder with --out"
                 )));
             }
-            clear(out)?;
+            FOLDERS.iter().chain(&FILES).try_for_each(|name| files::remove(&out.join(name)))?;
         }
         files::write_json(&out.join(FILE), self)?;
         in_use(out)
@@ -123,19 +123,6 @@ fn in_use(out: &Path) -> Result<File, Fault> {
     let file = File::open(&path).map_err(storage(&path, "read"))?;
     let _ = file.try_lock_shared();
     Ok(file)
-}
-
-fn clear(out: &Path) -> Result<(), Fault> {
-    for name in FOLDERS.iter().chain(&FILES) {
-        let path = out.join(name);
-        let removed = if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
-        if let Err(error) = removed
-            && error.kind() != ErrorKind::NotFound
-        {
-            return Err(storage(&path, "remove")(error));
-        }
-    }
-    Ok(())
 }
 
 /// Hash of the sources that decide results: this crate and the classifier.

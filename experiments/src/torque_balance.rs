@@ -9,6 +9,7 @@ use std::path::Path;
 use nalgebra::DVector;
 use serde::Serialize;
 use underbrush_recording::{Dataset, FRAME_PERIOD_S, Fault, Frame, InputError};
+use underbrush_sim::audit::min_contact_torque_nm;
 use underbrush_sim::{Arm, ReachPlan, Scene};
 
 use crate::dataset::stored_arm;
@@ -16,7 +17,7 @@ use crate::dataset::stored_arm;
 /// Impulses are compared over this many frames, 0.1 s.
 const WINDOW_FRAMES: usize = 10;
 
-/// Largest sound `residual_share`. A frame's force is its mean, but the Jacobian is that at its end, and the joints' torques
+/// Largest sound `residual_share` of contacts that are strong enough to compare with. A frame's force is its mean, but the Jacobian is that at its end, and the joints' torques
 /// are taken to change linearly within it: at 0.5 rad/s each may be wrong by half a percent, and by more in the frames of
 /// impacts.
 const BOUND: f64 = 0.02;
@@ -36,7 +37,7 @@ pub struct TorqueBalance {
     pub joint_impulse_nm_s: f64,
     /// Sum of the norms of the impulse that is missing, as a share of these two.
     pub residual_share: f64,
-    /// What the share should not exceed.
+    /// What the share should not exceed. It is larger if the contacts are mostly too weak to compare with.
     pub bound: f64,
 }
 
@@ -75,8 +76,12 @@ impl TorqueBalance {
                 missing_nm_s += missing.norm();
             }
         }
-        self.bound = BOUND;
-        self.residual_share = if self.windows > 0 { missing_nm_s / sum_nm_s(self) } else { 0.0 };
+        let all_nm_s = sum_nm_s(self);
+        let window_s = WINDOW_FRAMES as f64 * FRAME_PERIOD_S;
+        let weak_nm_s = min_contact_torque_nm(arm) * window_s * f64::from(self.windows);
+        // Without windows this is NaN, which `max` passes over.
+        self.bound = BOUND * (weak_nm_s / all_nm_s).max(1.0);
+        self.residual_share = if self.windows > 0 { missing_nm_s / all_nm_s } else { 0.0 };
     }
 }
 
@@ -160,6 +165,25 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
     use super::*;
+
+    /// Tests that a reach in which an arm hardly touches anything is sound, and is not if the stored forces were 50 % too large.
+    #[test]
+    fn weak_contacts_balance() {
+        let plan = ReachPlan::new(Scene::open("soft-rolls").unwrap(), None, 10001).unwrap();
+        let mut frames = plan.run(0, &mut |_| {}).unwrap().frames;
+        let balance = |frames: &[Frame]| {
+            let mut balance = TorqueBalance::default();
+            balance.observe(&plan.arm, frames);
+            balance
+        };
+        let sound = balance(&frames);
+        assert!(sound.bound > BOUND && sound.residual_share < sound.bound, "{sound:?}");
+        for point in frames.iter_mut().flat_map(|frame| &mut frame.contact_points) {
+            point.force_world *= 1.5;
+        }
+        let wrong = balance(&frames);
+        assert!(wrong.residual_share > wrong.bound, "{wrong:?}");
+    }
 
     /// Tests that the torques of a reach balance, and that they do not if the stored forces were 30 % too large.
     #[test]

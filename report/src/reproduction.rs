@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use underbrush_experiments::experiment::campaigns;
-use underbrush_experiments::files::{write, write_json};
+use underbrush_experiments::files::{remove, write, write_json};
 use underbrush_experiments::run_folder::Plan;
 use underbrush_experiments::{Experiment, Progress, Results, Session, audit, online_models, training};
 use underbrush_recording::Fault;
@@ -48,6 +48,12 @@ impl Reproduction<'_> {
         write_json(&out.join("summary.json"), &results)?;
         let report = Written::of(&results)?;
         let folder = out.join("report");
+        // An earlier run of several campaigns has left their tables.
+        for entry in std::fs::read_dir(folder.join("csv")).into_iter().flatten().flatten() {
+            if entry.file_name().to_string_lossy().starts_with("campaign") {
+                remove(&entry.path())?;
+            }
+        }
         for (path, bytes) in &report.files {
             write(&folder.join(path), bytes)?;
         }

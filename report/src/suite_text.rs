@@ -46,6 +46,7 @@ fn of_suite(result: &SuiteResult) -> String {
                 BoundVerdict::TooSmall => "TOO SMALL",
                 BoundVerdict::TooLarge => "TOO LARGE",
                 BoundVerdict::NotMeasured => "NOT MEASURED",
+                BoundVerdict::NotFinite => "NOT FINITE",
                 BoundVerdict::NoBound => "NO BOUND",
             })
             .text();
@@ -70,6 +71,7 @@ fn why(result: &SuiteResult, scene: &SceneResult, bound: &BoundResult) -> String
         BoundVerdict::TooSmall => format!("is {found}, less than at_least = {}", shown(bound.allowed.at_least)),
         BoundVerdict::TooLarge => format!("is {found}, more than at_most = {}", shown(bound.allowed.at_most)),
         BoundVerdict::NotMeasured => "could not be measured in any reach".into(),
+        BoundVerdict::NotFinite => format!("is {found}, which is not finite"),
         BoundVerdict::NoBound => format!("is {found} and has no bound yet; write one with --bless"),
         BoundVerdict::Holds => "holds".into(),
     };

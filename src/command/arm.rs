@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use serde_json::json;
+use underbrush_recording::InputError;
 use underbrush_recording::disk::is_there;
+use underbrush_report::suite_text::shell_word;
 use underbrush_sim::arm::cover::{NewPatch, cover};
 use underbrush_sim::arm::new::{NewArm, new_files};
 
@@ -104,6 +106,10 @@ pub fn run(options: ArmOptions, json: bool) -> Result<(), Failure> {
 fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
     let NewOptions { urdf, tip, base, package, hulls, out, overwrite } = options;
     overwrite.ending(&out, &["toml"], "an arm is a TOML file; choose such a name", [&urdf])?;
+    if out.file_name().is_some_and(|name| name.to_str().is_none()) {
+        let allowed = "a name in UTF-8, because the files of an arm name each other";
+        return Err(InputError::new(&out, "file name", "other bytes", allowed, "choose such a name").into());
+    }
     let files = new_files(&NewArm {
         urdf: urdf.clone(),
         out: out.clone(),
@@ -138,22 +144,16 @@ fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
     }
     let links: Vec<&str> = files.arm.links.iter().map(|link| link.name.as_str()).collect();
     let outside_mm = files.outside_hulls_m * 1000.0;
+    let [out, skin, scene] = [&out, skin, scene].map(|path| path.display().to_string());
     let report = json!({
-        "arm": out,
-        "skin": skin,
-        "scene": scene,
-        "joints": files.arm.joints.len(),
-        "links": links,
-        "held_joints": files.held,
+        "arm": out, "skin": skin, "scene": scene, "joints": files.arm.joints.len(), "links": links, "held_joints": files.held,
         "raised_inertia": files.raised.iter().map(|(link, _)| link).collect::<Vec<_>>(),
-        "hulls": files.hulls,
-        "outside_hulls_mm": outside_mm,
+        "hulls": files.hulls, "outside_hulls_mm": outside_mm,
     });
     output::result(json, &report, || {
         let held = if files.held.is_empty() { String::new() } else { format!("; held: {}", files.held.join(", ")) };
-        let (out, skin, scene) = (out.display(), skin.display(), scene.display());
         let (joints, links) = (output::counted(files.arm.joints.len(), "joint", "joints"), links.join(", "));
-        let quote = if out.to_string().contains(' ') { "\"" } else { "" };
+        let word = shell_word(&out);
         let hulls = output::counted(files.hulls, "hull", "hulls");
         let wrote = match keeps_skin {
             true => format!("{out} and {scene}; kept {skin}"),
@@ -162,7 +162,7 @@ fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
         format!(
             "Wrote {wrote}.\n{joints}{held}\nlinks: {links}\n\
              {hulls}; meshes stand out at most {outside_mm:.1} mm\n\
-             Next: underbrush arm skin {quote}{out}{quote} --link LINK --pitch-mm 10 --patch NAME\n"
+             Next: underbrush arm skin {word} --link LINK --pitch-mm 10 --patch NAME\n"
         )
     })
 }
@@ -177,12 +177,9 @@ fn skin(options: SkinOptions, json: bool) -> Result<(), Failure> {
     let (taxels, grid) = made.map_or((0, None), |made| (made.taxels.len(), made.grid));
     let shape = grid.map(|grid| [grid.rows, grid.columns]);
     let doubts = covered.arm.skin_doubts();
+    let path = covered.path.display().to_string();
     let report = json!({
-        "skin": covered.path,
-        "patch": new.name,
-        "taxels": taxels,
-        "rows_and_columns": shape,
-        "left_out": covered.left_out,
+        "skin": path, "patch": new.name, "taxels": taxels, "rows_and_columns": shape, "left_out": covered.left_out,
         "doubtful": doubts,
     });
     output::result(json, &report, || {
@@ -192,6 +189,6 @@ fn skin(options: SkinOptions, json: bool) -> Result<(), Failure> {
             if covered.left_out == 0 { String::new() } else { format!("; {} {unit} left out", covered.left_out) };
         let doubts: String = doubts.iter().map(|doubt| format!("doubtful: {doubt}\n")).collect();
         let taxels = output::counted(taxels, "taxel", "taxels");
-        format!("Patch {} in {}: {taxels}{grid}{left_out}\n{doubts}", new.name, covered.path.display())
+        format!("Patch {} in {path}: {taxels}{grid}{left_out}\n{doubts}", new.name)
     })
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use serde::Serialize;
+use serde_json::json;
 use underbrush_report::suite_text::shell_word;
 use underbrush_sim::{ReachPlan, Scene};
 
@@ -31,16 +31,6 @@ pub struct ArrangeOptions {
     overwrite: Overwrite,
 }
 
-#[derive(Serialize)]
-struct Report {
-    scene: String,
-    seed: u64,
-    reach_index: u64,
-    objects: usize,
-    goals: usize,
-    file: String,
-}
-
 /// Draws the scene and writes the file.
 pub fn run(ArrangeOptions { scene, seed, index, out, overwrite }: ArrangeOptions, json: bool) -> Result<(), Failure> {
     overwrite.ending(&out, &["toml"], "a scene is a TOML file; choose such a name", [&scene])?;
@@ -52,9 +42,11 @@ pub fn run(ArrangeOptions { scene, seed, index, out, overwrite }: ArrangeOptions
     );
     output::write_file(&out, (remark + &clutter.arranged(&plan.scene, &out)).as_bytes())?;
     let (objects, goals, file) = (clutter.objects.len(), clutter.goals.len(), out.display().to_string());
-    let report = Report { scene: plan.scene.name, seed, reach_index: index, objects, goals, file };
+    let report = json!({
+        "scene": plan.scene.name, "seed": seed, "reach_index": index, "objects": objects, "goals": goals, "file": file,
+    });
     output::result(json, &report, || {
-        let (file, word) = (&report.file, shell_word(&report.file));
+        let word = shell_word(&file);
         let (objects, goals) = (output::counted(objects, "object", "objects"), output::counted(goals, "goal", "goals"));
         format!("Wrote {file} with {objects} and {goals}. Next: underbrush reach {word}\n")
     })

@@ -6,6 +6,7 @@ use clap::Args;
 use underbrush_experiments::suite::Checked;
 use underbrush_report::suite_text;
 
+use super::overwrite::check_results_folder;
 use crate::{Failure, Overwrite, Shown, output};
 
 /// Shown at the end of `underbrush check --help`.
@@ -49,6 +50,7 @@ pub struct CheckOptions {
 
 /// Runs the suites and prints what they find.
 pub fn run(options: CheckOptions, json: bool) -> Result<(), Failure> {
+    options.out.as_deref().map_or(Ok(()), check_results_folder)?;
     for file in options.out.iter().flat_map(|folder| suite_text::FILES.map(|name| folder.join(name))) {
         options.overwrite.file(&file, &options.suites)?;
     }

@@ -37,5 +37,6 @@ pub fn run(options: CompletionsOptions, json: bool) -> Result<(), Failure> {
     std::fs::create_dir_all(&folder)
         .and_then(|()| clap_mangen::generate_to(program.disable_help_subcommand(true), &folder))
         .map_err(|source| DiskError::Io { path: folder.clone(), action: "write", source })?;
-    output::result(json, &json!({ "manual": folder }), || format!("Wrote the manual pages to {}", folder.display()))
+    let folder = folder.display().to_string();
+    output::result(json, &json!({ "manual": folder }), || format!("Wrote the manual pages to {folder}"))
 }

@@ -120,7 +120,11 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     options.touch.refuse_for_trials()?;
     options.risk.refuse("applies to the classifier touch only, and this is a classifier of trials")?;
     let path = input::only(&options.trials)?;
-    let tested = input::some_trials(path, &options.cut)?;
+    let min_samples = options.cut.min_samples();
+    let (tested, all) = match options.by_samples && min_samples > 1 {
+        true => input::some_of_all_trials(path, &options.cut)?,
+        false => (input::some_trials(path, &options.cut)?, None),
+    };
     let trials = &tested.trials;
     let about = |error: EvaluateError| input::about_trials(path, error);
     let mut folds = None;
@@ -136,7 +140,9 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
         fitted.warn_of_little_data();
         model = Some(fitted);
     } else {
-        options.check(model.as_ref().map(|own| &own.provenance), &tested.data, &[])?;
+        let provenance = model.as_ref().map(|own| &own.provenance);
+        options.check(provenance, &tested.data, &[])?;
+        provenance.into_iter().for_each(|own| tested.warn_of_unit(path, own));
     }
     let evaluation = match &model {
         Some(model) => evaluate(model.classifier.as_ref(), trials, &decision),
@@ -157,12 +163,7 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
             accuracy_by_samples(trials, estimator.as_ref(), folds, min_samples).map_err(about)
         };
         by_samples = Some(series(trials, 1)?);
-        let min_samples = options.cut.min_samples();
-        if min_samples > 1 {
-            // There are some, as there are long ones.
-            let all = input::trials(path, &options.cut.of_any_length())?;
-            by_samples_of_all = Some(series(&all.trials, min_samples)?);
-        }
+        by_samples_of_all = all.map(|all| series(&all, min_samples)).transpose()?;
     }
     // The paper's thresholds belong to the scores of its own classifier.
     let is_paper = matches!(decision.rule, Rule::OutlierBand { .. });

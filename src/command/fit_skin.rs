@@ -42,7 +42,7 @@ fn positive() -> impl TypedValueParser<Value = f64> {
 struct Report {
     #[serde(flatten)]
     fit: PressFit,
-    file: Option<PathBuf>,
+    file: Option<String>,
 }
 
 /// Fits, prints and writes.
@@ -56,36 +56,39 @@ pub fn run(options: FitSkinOptions, json: bool) -> Result<(), Failure> {
     };
     let samples = read_press(&options.press)?;
     let fit = fit_press(&samples, punch).map_err(|error| Failure::usage(error.to_string()).about(&options.press))?;
-    if let Some(out) = &options.out {
-        // Noise can make a small loss time negative, which no skin has.
-        let constant = |name: &str, estimate: &Estimate, affects: &str| {
-            let (_, limits) = CONSTANTS.iter().find(|(own, _)| *own == name)?;
-            let [value, low, high] =
-                [estimate.value, estimate.interval[0], estimate.interval[1]].map(|own| own.max(0.0));
-            if !limits.hold(value) {
-                output::remark(format!(
-                    "warning: {} is without {name}, because the fit gives {value:.3}; allowed are {limits}",
-                    out.display()
-                ));
-                return None;
-            }
-            let source = format!("fit-skin of {}; the range is that of 95 %", options.press.display());
-            let range = [low.min(value).max(limits.min), high.max(value).min(limits.max)];
-            Some((name.to_owned(), Constant { value, range, source, affects: affects.into() }))
-        };
-        let affects = "Peak force and onset of hard touches";
-        let mut constants = BTreeMap::from_iter(constant("skin_modulus_n_per_m3", &fit.modulus_n_per_m3, affects));
-        let loss_time = fit.loss_time_s.as_ref();
-        constants.extend(loss_time.and_then(|own| constant("skin_loss_time_s", own, "Peak force of impacts")));
-        let Estimate { value, interval: [low, high] } = fit.hardening_per_m;
-        if low > 0.0 {
-            let thickness = Estimate { value: 1.0 / value, interval: [1.0 / high, 1.0 / low] };
-            let affects = "Depth and peak force of hard touches and edges";
-            constants.extend(constant("skin_thickness_m", &thickness, affects));
+    let press = options.press.display();
+    // Noise can make a small loss time negative, which no skin has.
+    let constant = |name: &str, estimate: &Estimate, affects: &str| {
+        let (_, limits) = CONSTANTS.iter().find(|(own, _)| *own == name)?;
+        let [value, low, high] = [estimate.value, estimate.interval[0], estimate.interval[1]].map(|own| own.max(0.0));
+        if !limits.hold(value) {
+            let out = options.out.as_ref();
+            let without = out.map_or(String::new(), |out| format!("; {} is without it", out.display()));
+            output::remark(format!(
+                "warning: {press}: the fit gives {name} = {value:.3}; allowed are {limits}{without}; check that depths are in m and \
+                 forces in N"
+            ));
+            return None;
         }
+        let source = format!("fit-skin of {press}; the range is that of 95 %");
+        let range = [low.min(value).max(limits.min), high.max(value).min(limits.max)];
+        Some((name.to_owned(), Constant { value, range, source, affects: affects.into() }))
+    };
+    let affects = "Peak force and onset of hard touches";
+    let mut constants = BTreeMap::from_iter(constant("skin_modulus_n_per_m3", &fit.modulus_n_per_m3, affects));
+    let loss_time = fit.loss_time_s.as_ref();
+    constants.extend(loss_time.and_then(|own| constant("skin_loss_time_s", own, "Peak force of impacts")));
+    let Estimate { value, interval: [low, high] } = fit.hardening_per_m;
+    if low > 0.0 {
+        let thickness = Estimate { value: 1.0 / value, interval: [1.0 / high, 1.0 / low] };
+        let affects = "Depth and peak force of hard touches and edges";
+        constants.extend(constant("skin_thickness_m", &thickness, affects));
+    }
+    if let Some(out) = &options.out {
         output::write_file(out, MaterialFile { constants }.text().as_bytes())?;
     }
-    output::result(json, &Report { fit: fit.clone(), file: options.out }, || text(&fit))
+    let file = options.out.map(|out| out.display().to_string());
+    output::result(json, &Report { fit: fit.clone(), file }, || text(&fit))
 }
 
 fn text(fit: &PressFit) -> String {

@@ -14,6 +14,7 @@ use underbrush_report::audit_text;
 use underbrush_sim::materials::MaterialFile;
 use underbrush_sim::{ControllerKind, Scene};
 
+use super::overwrite::check_outside;
 use super::{Overwrite, VerdictArguments};
 use crate::{Failure, Shown, input, interrupt, options, output};
 
@@ -99,7 +100,8 @@ pub fn run(options: GenerateOptions, json: bool) -> Result<(), Failure> {
         None => described(&options)?,
     };
     let out = &options.out;
-    check_not_input(out, options.scenes.iter().chain(&options.from).chain(&options.verdicts.model()))?;
+    check_outside(out, &options.from)?;
+    check_not_input(out, options.scenes.iter().chain(&options.verdicts.model()))?;
     let again = if options.shared { "the same command again" } else { options.overwrite.again() };
     interrupt::kept("finished reaches are", out, again);
     let written = match options.shard.filter(|_| options.shared) {
@@ -135,8 +137,7 @@ pub fn run(options: GenerateOptions, json: bool) -> Result<(), Failure> {
 /// What is printed about a data set that was made.
 #[derive(Serialize)]
 pub(super) struct Summary {
-    #[serde(serialize_with = "output::path")]
-    dataset: PathBuf,
+    dataset: String,
     reaches: usize,
     frames: usize,
     simulated_s: f64,
@@ -158,7 +159,7 @@ impl Summary {
         let episodes = dataset.episodes();
         let frames: usize = episodes.iter().map(|episode| episode.frames).sum();
         Summary {
-            dataset: dataset.dir().to_path_buf(),
+            dataset: dataset.dir().display().to_string(),
             reaches: episodes.len(),
             frames,
             simulated_s: frames as f64 * underbrush_recording::FRAME_PERIOD_S,
@@ -180,7 +181,7 @@ impl Summary {
             format!("{ways} of {goals} goals{of} have a way round all fixed obstacles\n")
         });
         let (reaches, simulated_s) = (output::counted(self.reaches, "reach", "reaches"), self.simulated_s);
-        let (ends, audit, dataset) = (self.ends.text(), audit_text(&self.audit), self.dataset.display());
+        let (ends, audit, dataset) = (self.ends.text(), audit_text(&self.audit), &self.dataset);
         format!("{reaches}, {simulated_s:.0} s of simulated time{pace}\n{ends}\n{ways}{audit}\ndata set in {dataset}")
     }
 }

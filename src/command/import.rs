@@ -7,7 +7,9 @@ use serde_json::json;
 use underbrush_classifier::frequencies;
 use underbrush_exchange::import::{Mapping, import};
 use underbrush_recording::Recording;
-use underbrush_recording::disk::{DiskError, UnfinishedFolder, check_free, write_recording, write_trials};
+use underbrush_recording::disk::{
+    DiskError, UnfinishedFolder, check_free, is_recording, write_recording, write_trials,
+};
 
 use crate::{Failure, Overwrite, output};
 
@@ -74,12 +76,14 @@ pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
 /// Demands that a folder, if it is there, holds nothing but recordings of an earlier import, which may be overwritten.
 fn require_recordings(folder: &Path) -> Result<(), Failure> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
-    let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
-    let other = names.into_iter().find(|name| !(name.starts_with("reach-") && name.ends_with(".parquet")));
-    other.map_or(Ok(()), |name| {
-        let text = format!("holds {name}, which is no recording of an import; choose another name");
-        Err(Failure::usage(text).about(folder))
-    })
+    for entry in entries.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if !name.starts_with("reach-") || !is_recording(&entry.path())? {
+            let text = format!("holds {name}, which is no recording of an import; choose another name");
+            return Err(Failure::usage(text).about(folder));
+        }
+    }
+    Ok(())
 }
 
 /// Writes a folder of recordings. It gets its name only when all of them are written.

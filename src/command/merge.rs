@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use underbrush_recording::disk::{Dataset, DiskError, Shards, check_not_input, make_room};
+use underbrush_recording::disk::{Dataset, DiskError, Shards, make_room};
 
 use super::generate::Summary;
+use super::overwrite::check_outside;
 use crate::{Failure, Overwrite, interrupt, output, progress};
 
 /// Options of `underbrush merge`.
@@ -29,7 +30,7 @@ pub struct MergeOptions {
 pub fn run(options: MergeOptions, json: bool) -> Result<(), Failure> {
     let MergeOptions { parts, out, resume, overwrite } = options;
     let shards = Shards::open(&parts)?;
-    check_not_input(&out, &parts)?;
+    check_outside(&out, &parts)?;
     make_room(&out, overwrite.force)?;
     interrupt::kept("what is complete is", &out, overwrite.again());
     let bar = progress::bar(shards.plan().episodes.len() as u64, "reaches");

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use underbrush_recording::InputError;
-use underbrush_recording::disk::{Dataset, check_free, check_not_input};
+use underbrush_recording::disk::{Dataset, check_free, check_not_input, is_folder, is_there};
 
 use crate::{Failure, output};
 
@@ -52,10 +52,20 @@ impl Overwrite {
     }
 }
 
-/// Demands that a folder for results, which are many files and folders, is no data set.
+/// Demands that a folder for results, which are many files and folders, is neither a file nor a data set.
 pub fn check_results_folder(folder: &Path) -> Result<(), Failure> {
-    match Dataset::open(folder) {
-        Ok(_) => Err(Failure::usage(format!("--out {}: is a data set; choose another folder", folder.display()))),
-        Err(_) => Ok(()),
+    let is_data_set = Dataset::open(folder).is_ok();
+    if !is_data_set && (is_folder(folder)? || !is_there(folder)?) {
+        return Ok(());
     }
+    let what = if is_data_set { "a data set" } else { "a file" };
+    Err(Failure::usage(format!("--out {}: is {what}; choose another folder", folder.display())))
+}
+
+/// Demands that a folder to write is neither one of the inputs nor within one.
+pub fn check_outside<'a>(folder: &Path, inputs: impl IntoIterator<Item = &'a PathBuf> + Clone) -> Result<(), Failure> {
+    let whole = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
+    // What is there of it: `..` may lead out of an input.
+    let there = whole.ancestors().find_map(|around| std::fs::canonicalize(around).ok()).unwrap_or_default();
+    Ok(there.ancestors().try_for_each(|around| check_not_input(around, inputs.clone()))?)
 }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde::Serialize;
-use underbrush_recording::math;
+use underbrush_recording::{distinct, math};
 use underbrush_report::drawing::Rows;
 use underbrush_validation::{CHECKS, Check, FalsifiedOutcome, FalsifiedRun, Judged, Outcome, Verdict, falsify};
 
@@ -167,12 +167,7 @@ fn comparisons(outcome: &Outcome, tolerance_scale: f64) -> String {
     if outcome.comparisons.is_empty() {
         return String::new();
     }
-    let mut reasons: Vec<&str> = Vec::new();
-    for judged in &outcome.comparisons {
-        if !reasons.contains(&judged.comparison.reason) {
-            reasons.push(judged.comparison.reason);
-        }
-    }
+    let reasons = distinct(outcome.comparisons.iter().map(|judged| judged.comparison.reason));
     let before = |judged: &Judged| reasons.iter().take_while(|reason| **reason != judged.comparison.reason).count();
     let mut text = Rows::of(&outcome.comparisons)
         .columns(VALUES, |judged| values(judged, tolerance_scale))
@@ -224,8 +219,5 @@ fn six_digits(value: f64) -> String {
 }
 
 fn word(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Pass => "pass",
-        Verdict::Fail => "FAIL",
-    }
+    if verdict == Verdict::Pass { "pass" } else { "FAIL" }
 }

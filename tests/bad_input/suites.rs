@@ -135,7 +135,7 @@ fn nothing_to_check() {
         &["no bounds", "[scenes.bounds]"],
     );
     let twice = format!("{SUITE}{}", SUITE.split_once('\n').unwrap().1);
-    refuses(&twice, Some(3), &["scene files with different names"]);
+    refuses(&twice, Some(8), &["scenes[1].scene", "scene files with different names"]);
 }
 
 /// Tests that an error names the line of the value, and not that of another one in which its text occurs.
@@ -166,6 +166,7 @@ fn missing_files() {
     scenes::write(&folder.path().join("folder"), "trunks.toml", scenes::FEW_TRUNKS);
     std::fs::copy(&file, &namesake).unwrap();
     underbrush!["check", &file, &namesake].refused(&["suite.toml and ", "have the same name", "rename one"]);
+    underbrush!["check", &file, "--out", &scene].refused(&["trunks.toml", "is a file", "choose another folder"]);
     underbrush!["check"].refused(&["SUITE"]);
     underbrush!["check", &file, "--bless", "--seed", "3"].refused(&["--bless", "--seed"]);
 }

@@ -146,7 +146,7 @@ fn a_shoulder_beside_the_base_has_its_room() {
         .unwrap();
     let arm = folder.path().join("my crane.toml");
     let made = underbrush!["arm", "new", urdf, "--tip", "tip", "--out", arm].success();
-    assert!(made.contains("my crane.toml\" --link"), "{made}");
+    assert!(made.contains("my crane.toml' --link"), "{made}");
     let found = underbrush!["inspect", arm, "--json"].json();
     let tip_m: Vec<f64> = found["tip_at_start_m"].as_array().unwrap().iter().map(|own| own.as_f64().unwrap()).collect();
     assert!((tip_m[0] + 0.8).abs() < 0.1 && (tip_m[1] - 2.0).abs() < 0.01, "{tip_m:?}");

@@ -29,6 +29,20 @@ fn mapping(folder: &Path, text: &str) -> std::path::PathBuf {
     path
 }
 
+/// Tests that `import --force` does not replace a folder of files that are only named like recordings.
+#[test]
+fn other_files_named_like_recordings_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let map = mapping(folder.path(), "[time]\nfrom = \"time_s\"\n[force]\nfrom = \"force_n\"\n");
+    let [log, mine] = ["log.csv", "mine"].map(|name| folder.path().join(name));
+    std::fs::write(&log, "time_s,force_n\n0,0\n0.01,1\n0.02,0\n").unwrap();
+    std::fs::create_dir(&mine).unwrap();
+    std::fs::copy(fixture().table_parquet(), mine.join("reach-of-mine.parquet")).unwrap();
+    underbrush!["import", log, "--mapping", map, "--force", "--out", mine]
+        .refused(&["holds reach-of-mine.parquet", "no recording of an import"]);
+    assert!(mine.join("reach-of-mine.parquet").exists());
+}
+
 /// Tests that a CSV log with the forces of a data set, imported with its times and categories, has the trials that
 /// `trials` cuts from the set; that a classifier can be trained on these trials and classifies them; and that `replay`
 /// writes each reach with verdicts, but refuses a model that needs motion, which was not imported.

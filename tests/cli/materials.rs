@@ -87,10 +87,25 @@ fn a_constant_outside_of_its_limits_is_left_out() {
     };
     fs::write(&press, format!("time_s,depth_m,force_n\n{}", (0..200).map(sample).collect::<String>())).unwrap();
     let fit = underbrush!["fit-skin", press, "--punch-area-cm2", "1", "--out", materials];
-    let warning = "skin.toml is without skin_thickness_m, because the fit gives 0.2";
-    assert!(fit.status == 0 && fit.stderr.contains(warning), "{}", fit.stderr);
+    let warned = ["the fit gives skin_thickness_m = 0.2", "skin.toml is without it"];
+    assert!(fit.status == 0 && warned.iter().all(|part| fit.stderr.contains(part)), "{}", fit.stderr);
     let constants = MaterialFile::load(&materials).unwrap().constants;
     assert_eq!(constants.keys().collect::<Vec<_>>(), ["skin_modulus_n_per_m3"]);
+}
+
+/// Tests that depths in millimetres are warned of, also if no file is written.
+#[test]
+fn depths_in_millimetres_are_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let press = folder.path().join("press.csv");
+    let sample = |number: u32| {
+        let depth_mm = 0.01 * f64::from(number + 1);
+        format!("{},{depth_mm},{}\n", 0.1 * f64::from(number), 3.0 * depth_mm / (1.0 - depth_mm / 3.0))
+    };
+    fs::write(&press, format!("time_s,depth_m,force_n\n{}", (0..200).map(sample).collect::<String>())).unwrap();
+    let fit = underbrush!["fit-skin", press, "--punch-area-cm2", "1"];
+    let warning = "the fit gives skin_modulus_n_per_m3 = ";
+    assert!(fit.status == 0 && fit.stderr.contains(warning) && fit.stderr.contains("in m"), "{}", fit.stderr);
 }
 
 /// Tests the law against a published press, NIST's of a foam of 10 mm at one speed to half of its thickness (docs/arms.md): the

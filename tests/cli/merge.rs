@@ -71,6 +71,9 @@ fn what_does_not_fit_together_is_refused_by_name() {
         "part-1",
     ]);
     merge(&[first.clone(), whole], &out, &[]).refused(&["whole: shard", "a whole campaign"]);
+    let inner = first.join("inner");
+    merge(&parts, &inner, &[]).refused(&["part-1", "an input of this command"]);
+    assert!(!inner.exists());
     std::fs::remove_file(third.join("meta/info.json")).unwrap();
     merge(&parts, &out, &[]).refused(&["part-3", "without meta/info.json"]);
     merge(&[folder.path().join("nowhere")], &out, &[]).refused(&["nowhere", "no such folder"]);

@@ -33,6 +33,10 @@ fn any_path_is_read_and_written() {
     shown(underbrush!["train", table, "--out", model, "--states", "2", "--json"], "model");
     underbrush!["reach", scene, "--out", recording, "--picture", picture, "--json"].success();
     shown(underbrush!["generate", scene, "--reaches", "1", "--out", named("new"), "--json"], "dataset");
+    // The files of an arm name each other, and TOML is UTF-8.
+    let arm = named("arm.toml");
+    underbrush!["arm", "new", scene, "--tip", "hand", "--out", arm, "--json"].refused(&["a name in UTF-8"]);
+    assert!(!arm.exists());
     for (path, key) in
         [(&set, "dataset"), (&recording, "recording"), (&table, "table"), (&binary_table, "table"), (&model, "model")]
     {

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 use underbrush_recording::Trial;
+use underbrush_recording::disk::TRIAL_COLUMNS;
 
 use super::list::{FEATURES, Feature};
 
@@ -110,5 +111,9 @@ pub enum FeatureError {
 /// The names of all features, as a list in a sentence.
 fn known() -> String {
     let listed = FEATURES.map(|feature| feature.name).join(", ");
-    format!("{listed}, and column:NAME for any column of a table of trials without + and comma in its name")
+    let others: Vec<&str> = TRIAL_COLUMNS.into_iter().filter(|name| Feature::find(name).is_none()).collect();
+    format!(
+        "{listed}, and column:NAME for any column of a table of trials without + and comma in its name, except {}",
+        others.join(", ")
+    )
 }

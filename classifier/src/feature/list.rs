@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
+use underbrush_recording::disk::TRIAL_COLUMNS;
 use underbrush_recording::limits::{self, Limits};
 use underbrush_recording::{Sample, is_plain};
 
@@ -91,14 +92,16 @@ static CHANNELS: LazyLock<Mutex<BTreeMap<String, &'static Feature>>> = LazyLock:
 
 impl Feature {
     /// The feature with this name or column, or with `column:NAME` that of the column NAME of a table of trials
-    /// ([`underbrush_recording::Channels`]). NAME has neither `+` nor `,`, which stand between the features of a set.
+    /// ([`underbrush_recording::Channels`]). NAME has neither `+` nor `,`, which stand between the features of a set, and is not a
+    /// column that says what a trial is.
     pub fn find(name: &str) -> Option<&'static Feature> {
         let column = name.strip_prefix(CHANNEL);
         let listed = FEATURES.into_iter().find(|feature| match column {
             Some(column) => feature.column == column,
             None => feature.name == name || feature.column == name,
         });
-        let is_sound = |column: &&str| !column.is_empty() && !column.contains(['+', ',']) && is_plain(column);
+        let is_name = |column: &str| !column.is_empty() && !column.contains(['+', ',']) && is_plain(column);
+        let is_sound = |column: &&str| is_name(column) && !TRIAL_COLUMNS.contains(column);
         listed.or_else(|| column.filter(is_sound).map(Feature::channel))
     }
 

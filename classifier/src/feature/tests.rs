@@ -138,6 +138,9 @@ fn any_column_can_be_a_feature() {
     assert_eq!(values, [1.0, -2.0]);
     assert_eq!("column:force_n".parse(), Ok(FeatureSet::FORCE));
     assert!("column:".parse::<FeatureSet>().is_err());
+    // What a trial is, and the truth, are no channels.
+    let error = "column:touched".parse::<FeatureSet>().unwrap_err().to_string();
+    assert!(error.contains("except trial, category") && error.contains("touched"), "{error}");
     let many: Vec<String> = (0..25).map(|index| format!("column:c{index}")).collect();
     assert_eq!(FeatureSet::from_names(&many), Err(FeatureError::TooMany { allowed: 24 }));
 }

@@ -17,12 +17,14 @@ use crate::training::{self, Trials};
 use crate::{Accuracy, Experiment, Session, in_parallel};
 
 /// Every classifier, trained and tested at every pair of settings.
-#[derive(Serialize, Deserialize)]
+#[derive(Default, Serialize, Deserialize)]
 pub struct ComparedSettings {
     /// By classifier, then by the setting of training, then by the setting of testing.
     pub splits: Vec<Split>,
     /// How well verdict networks tell contacts at the other settings apart.
     pub verdict_transfer: Vec<VerdictTransfer>,
+    /// Why settings are missing from the splits, a sentence for each.
+    pub settings_left_out: Vec<String>,
 }
 
 /// The accuracy of a classifier that was trained at one setting and tested at another.
@@ -78,6 +80,17 @@ impl Folded {
         }
         Folded { name: name.into(), folds }
     }
+
+    /// What is missing if a half has no trial of some of these categories. A classifier would be tested on a category that it was not
+    /// fitted to.
+    pub fn lack(&self, categories: &BTreeSet<&str>) -> Option<String> {
+        let missing = self.folds.iter().find_map(|fold| categories.difference(&categories_of(fold)).next().copied())?;
+        Some(format!(
+            "setting {}: one half of its reaches has no trial of {missing} that is long enough, so a classifier fitted to it would \
+             not know {missing}; give the training scenes more setting_reaches",
+            self.name
+        ))
+    }
 }
 
 /// The folds of the reaches of a campaign with `reaches` reaches of each scene, of which the first `counts` are used; `None`
@@ -94,7 +107,7 @@ pub fn run(session: &Session) -> Result<ComparedSettings, Fault> {
     let data = session.once(training::run)?;
     let experiment = session.experiment;
     if experiment.file.settings.is_empty() || experiment.file.setting_classifiers.is_empty() {
-        return Ok(ComparedSettings { splits: Vec::new(), verdict_transfer: Vec::new() });
+        return Ok(ComparedSettings::default());
     }
     let counts: Vec<u64> = experiment.file.training.iter().map(|own| own.setting_reaches()).collect();
     let compared = || {
@@ -117,32 +130,19 @@ pub fn run(session: &Session) -> Result<ComparedSettings, Fault> {
                 verdict_transfer.push(VerdictTransfer::of(&setting.name, &options, &here, &nominal)?);
             }
         }
+        // To end the run here would cost the hours that it took.
+        let labels = experiment.labels().into_iter().collect();
+        let settings_left_out: Vec<String> = settings.iter().filter_map(|own| own.lack(&labels)).collect();
+        settings_left_out.iter().for_each(|lack| session.progress.remark(&format!("left out: {lack}")));
+        settings.retain(|own| own.lack(&labels).is_none());
         let splits = splits(experiment, &settings)?;
-        Ok(ComparedSettings { splits, verdict_transfer })
+        Ok(ComparedSettings { splits, verdict_transfer, settings_left_out })
     };
     session.stage("Other arms and speeds", || session.kept("splits", session.seed, compared))
 }
 
-/// Checks that each half of the reaches of each setting has trials of all categories. Otherwise a classifier would be
-/// tested on a category that it was not fitted to.
-fn check_categories(settings: &[Folded]) -> Result<(), Fault> {
-    let halves = || settings.iter().flat_map(|setting| setting.folds.iter().map(move |fold| (setting, fold)));
-    let all: BTreeSet<&str> = halves().flat_map(|(_, fold)| categories(fold)).collect();
-    for (setting, fold) in halves() {
-        let own = categories(fold);
-        if let Some(missing) = all.iter().find(|category| !own.contains(*category)) {
-            return Err(Fault::Usage(format!(
-                "setting {}: one half of its reaches has no trial of {missing} that is long enough, so a classifier fitted \
-                 to it would not know {missing}; give the training scenes more setting_reaches",
-                setting.name
-            )));
-        }
-    }
-    Ok(())
-}
-
 /// The categories of trials that classifiers are fitted to.
-fn categories(trials: &[Trial]) -> BTreeSet<&str> {
+fn categories_of(trials: &[Trial]) -> BTreeSet<&str> {
     trials.iter().filter_map(|trial| trial.category.as_deref()).filter(|category| is_trained(category)).collect()
 }
 
@@ -152,7 +152,10 @@ fn categories(trials: &[Trial]) -> BTreeSet<&str> {
 /// # Errors
 /// If one half of a setting's reaches has no trial of some category, or fitting or scoring fails.
 pub fn splits(experiment: &Experiment, settings: &[Folded]) -> Result<Vec<Split>, Fault> {
-    check_categories(settings)?;
+    let all = settings.iter().flat_map(|setting| &setting.folds).flat_map(|fold| categories_of(fold)).collect();
+    if let Some(lack) = settings.iter().find_map(|setting| setting.lack(&all)) {
+        return Err(Fault::Usage(lack));
+    }
     let recipe = experiment.main_recipe();
     let entries = experiment.file.setting_classifiers.iter();
     let all: Vec<(&str, Box<dyn Estimator>)> =

@@ -238,7 +238,9 @@ impl Metric {
 fn audit_share(recording: &Recording) -> f64 {
     // A figure with a bound of 0 is a metric of its own.
     let bounds = audit::bounds(&recording.layout).filter(|bound| bound.max > 0.0);
-    bounds.map(|bound| (bound.field.get)(&recording.audit) / bound.max).fold(0.0, f64::max)
+    let shares = bounds.map(|bound| (bound.field.get)(&recording.audit) / bound.max);
+    // NaN counts as the largest.
+    shares.fold(0.0, |worst, share| if share > worst || share.is_nan() { share } else { worst })
 }
 
 fn force(reach: &Measured, category: Option<Category>, value: fn(&ContactForces) -> f64) -> Option<f64> {

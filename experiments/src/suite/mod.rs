@@ -100,11 +100,11 @@ impl Suite {
         let folder = path.parent().unwrap_or(Path::new(""));
         let model = file.model.as_ref().map(|own| own.load(folder, &source)).transpose()?;
         let (mut scenes, mut names) = (Vec::new(), BTreeSet::new());
-        for entry in &file.scenes {
+        for (place, entry) in file.scenes.iter().enumerate() {
             let scene = scene(&file, entry, folder, &source, model.as_ref())?;
             if !names.insert(scene.plan.scene.name.clone()) {
                 let allowed = "scene files with different names, by which results are told apart";
-                return Err(source.fault("scenes.scene", &entry.scene, allowed).into());
+                return Err(source.fault(&format!("scenes[{place}].scene"), &entry.scene, allowed).into());
             }
             scenes.push(scene);
         }

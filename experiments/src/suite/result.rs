@@ -57,7 +57,7 @@ pub struct BoundResult {
     pub name: String,
     /// How the values became one number.
     pub statistic: Statistic,
-    /// The number; `None` if no reach has a value.
+    /// The number; `None` if no reach has a value. JSON `null` also if it is not finite.
     pub found: Option<f64>,
     /// Standard error of a mean over reaches.
     pub standard_error: Option<f64>,
@@ -66,7 +66,7 @@ pub struct BoundResult {
     pub allowed: Bound,
     /// Whether the bounds hold.
     pub verdict: BoundVerdict,
-    /// If a bound is broken, the reach that lies farthest on the wrong side of it.
+    /// If a bound is broken, the reach that lies farthest on the wrong side of it, or whose value is not finite.
     pub look_at: Option<ReachValue>,
     /// The value of each reach that has one.
     pub values: Vec<ReachValue>,
@@ -84,6 +84,8 @@ pub enum BoundVerdict {
     TooLarge,
     /// No reach has a value.
     NotMeasured,
+    /// The value of a reach is not finite.
+    NotFinite,
     /// The file gives no bound yet.
     NoBound,
 }
@@ -204,12 +206,16 @@ pub(super) fn held(own: &SceneBound, values: Vec<ReachValue>) -> BoundResult {
     let numbers: Vec<f64> = values.iter().map(|own| own.value).collect();
     let spread = (!numbers.is_empty()).then(|| Spread::of(&numbers));
     let is_mean = own.metric.statistic != Statistic::Largest;
-    let found = spread.as_ref().map(|spread| if is_mean { spread.mean } else { spread.max });
+    let not_finite = values.iter().find(|own| !own.value.is_finite());
+    let of_spread = spread.as_ref().map(|spread| if is_mean { spread.mean } else { spread.max });
+    // The largest of several numbers would pass over NaN.
+    let found = not_finite.map(|own| own.value).or(of_spread);
     let deviation = spread.and_then(|spread| spread.standard_deviation);
     let bound = own.bound;
     let verdict = match found {
         None => BoundVerdict::NotMeasured,
         Some(_) if !bound.is_given() => BoundVerdict::NoBound,
+        Some(found) if !found.is_finite() => BoundVerdict::NotFinite,
         Some(found) if bound.at_least.is_some_and(|low| found < low) => BoundVerdict::TooSmall,
         Some(found) if bound.at_most.is_some_and(|high| found > high) => BoundVerdict::TooLarge,
         Some(_) => BoundVerdict::Holds,
@@ -218,6 +224,7 @@ pub(super) fn held(own: &SceneBound, values: Vec<ReachValue>) -> BoundResult {
     let look_at = match verdict {
         BoundVerdict::TooSmall => values.iter().min_by(by_value),
         BoundVerdict::TooLarge => values.iter().max_by(by_value),
+        BoundVerdict::NotFinite => not_finite,
         _ => None,
     };
     BoundResult {

@@ -50,6 +50,7 @@ fn settings_are_tested_on_clutter_that_was_not_trained_on() {
     // A setting at which the leaf was touched in the first half of its reaches alone.
     let mut partly = setting("partly", &trials(0.5, 2.0));
     partly.folds[1].retain(|trial| trial.category.as_deref() != Some("leaf"));
+    assert_eq!(apart.lack(&BTreeSet::from(["leaf", "trunk"])), None);
     let error = splits(&Experiment::paper().unwrap(), &[partly]).unwrap_err().to_string();
     assert!(error.contains("setting partly") && error.contains("no trial of leaf"), "{error}");
 

@@ -64,7 +64,7 @@ pub fn check_not_input<'a>(out: &Path, inputs: impl IntoIterator<Item = &'a Path
     if !inputs.into_iter().any(|input| place.is_some() && fs::canonicalize(input).ok() == place) {
         return Ok(());
     }
-    let found = "what is an input of this command, and would be replaced";
+    let found = "what is an input of this command, and would be replaced or changed";
     let remedy = "choose another name for the output";
     Err(InputError::new(out, "output", found, "another path", remedy).into())
 }

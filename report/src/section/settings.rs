@@ -8,10 +8,11 @@ use crate::{ACCURACY_COLUMNS, Cell, Report, Rows, Table};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ComparedSettings) {
-    if outcome.splits.is_empty() {
+    if outcome.splits.is_empty() && outcome.settings_left_out.is_empty() {
         return;
     }
     report.section("settings", "Other arms and speeds");
+    report.page.paragraphs(outcome.settings_left_out.iter().map(|why| format!("Left out: {why}.")));
     report.page.paragraph(
         "The training scenes with other arm stiffnesses and hand speeds; goals and clutter are the same at every setting. \
          Classifiers are trained on one half of the reaches at one setting and tested on the other half at each setting, then \

@@ -102,6 +102,19 @@ fn values_are_held_against_bounds() {
     assert_eq!(verdicts.filter(|own| *own == BoundVerdict::Holds).count(), 4);
 }
 
+/// Tests that a bound does not hold if the value of a reach is not finite, also of the audit, whose number is the largest of all
+/// reaches, and that this reach is to be looked at.
+#[test]
+fn values_that_are_not_finite_do_not_hold() {
+    let (_folder, file) = written(SUITE);
+    let suite = Suite::load(&file).unwrap();
+    let found = result(&suite, &[&[5.0, 6.0], &[1.0, f64::INFINITY], &[0.5, f64::NAN], &[0.5, f64::NAN], &[8.0, 9.0]]);
+    let bounds = &found.scenes[0].bounds;
+    let named = |place: usize| (bounds[place].verdict, bounds[place].look_at.map(|own| own.reach_index));
+    assert_eq!([1, 2, 3].map(named), [(BoundVerdict::NotFinite, Some(1)); 3]);
+    assert!(!found.passed && bounds[2].found.unwrap().is_nan());
+}
+
 /// Tests that blessing changes the bounds and nothing else in the file, keeps the sides that a bound has, gives the
 /// default sides to a bound without any, and writes bounds that hold, with the margin that the file asks for.
 #[test]
