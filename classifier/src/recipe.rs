@@ -68,7 +68,7 @@ pub struct Recipe {
     pub training: TrainingOptions,
 }
 
-/// Makes a recipe that has a name.
+/// A function that makes one of the named recipes.
 pub type Preset = fn() -> Recipe;
 
 impl Recipe {

@@ -94,7 +94,7 @@ impl Source<'_> {
         self.field(name, found).fault(found, allowed)
     }
 
-    /// That error, unless a rule holds.
+    /// The error of [`Source::fault`], unless a rule holds.
     pub fn check(&self, holds: bool, name: &str, found: &str, allowed: &str) -> Result<(), InputError> {
         if holds { Ok(()) } else { Err(self.fault(name, found, allowed)) }
     }

@@ -78,7 +78,7 @@ impl Counter for Silent {}
 
 /// Shows each warning of the libraries from now on.
 pub fn show_warnings(show: fn(String)) {
-    // It fails only if warnings are shown already.
+    // A logger is refused only if warnings are shown already.
     if log::set_logger(Box::leak(Box::new(Shown(show)))).is_ok() {
         log::set_max_level(LevelFilter::Warn);
     }

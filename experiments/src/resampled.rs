@@ -82,7 +82,7 @@ pub struct Ranking {
     pub audit: Estimate,
     /// In the public half.
     pub public: Estimate,
-    /// That of the public half minus that of the audit half.
+    /// The figure of the public half minus that of the audit half.
     pub difference: Estimate,
 }
 

@@ -33,7 +33,7 @@ pub struct TorqueBalance {
     pub windows: u32,
     /// Sum over the windows of the norm of ∫ Σ Jᵀ f dt, Nm s.
     pub contact_impulse_nm_s: f64,
-    /// The same of ∫ τ dt.
+    /// Sum over the windows of the norm of ∫ τ dt, Nm s.
     pub joint_impulse_nm_s: f64,
     /// Sum of the norms of the impulse that is missing, as a share of these two.
     pub residual_share: f64,

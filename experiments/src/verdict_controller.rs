@@ -42,6 +42,7 @@ enum Judge {
     /// A touch model.
     Model { model: Arc<TouchModel>, blake3: String },
 }
+
 /// The parameters of verdict control that data sets store.
 #[derive(Serialize)]
 pub struct VerdictParameters<'a> {

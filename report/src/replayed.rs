@@ -15,7 +15,8 @@ use underbrush_sim::controller::ControllerKind;
 /// nobody sends that.
 pub const MAX_PAGE_BYTES: usize = 400_000_000;
 
-/// The force limits of the controllers that ship, the one that is known for sure, N, and the bounds of the audit.
+/// What replay pages show but recordings lack: the force limit of each controller that ships, or for all reaches the limit that
+/// the user states, N; and the audit's bounds that a reach exceeds.
 pub fn known(stated_limit_n: Option<f64>) -> ReplayContext {
     ReplayContext { force_limit_n, stated_limit_n, audit_warnings: audit::exceeded_bounds }
 }

@@ -50,7 +50,7 @@ impl Table {
     }
 }
 
-/// Those of the ages that a trial outlasts, and its end.
+/// The numbers of samples after which a trial gives a row: the ages that it outlasts, and its length.
 pub(super) fn ages_of(trial: &Trial, ages: &[usize]) -> Vec<usize> {
     let length = trial.samples.len();
     ages.iter().copied().filter(|age| *age < length).chain([length]).collect()

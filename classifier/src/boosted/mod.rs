@@ -152,7 +152,7 @@ struct Boosting<'a> {
     /// The target and the weight of each row.
     targets: Vec<(f64, f64)>,
     scores: Vec<f64>,
-    /// Those of each row.
+    /// The slopes of the loss at the score of each row.
     slopes: Vec<Slopes>,
     leaf_rows: usize,
 }

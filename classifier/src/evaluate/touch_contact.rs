@@ -6,7 +6,7 @@ use crate::frequency::largest;
 use crate::touch::{TaxelTouch, Touch};
 use underbrush_recording::math;
 
-/// A tenth of a second.
+/// Samples in a tenth of a second, at 100 Hz.
 const TENTH_SECOND_SAMPLES: usize = 10;
 
 /// A contact of a taxel that something of a known category truly touched.

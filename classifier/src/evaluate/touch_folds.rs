@@ -66,8 +66,7 @@ pub fn add_auxiliary<R: ReadReaches>(examples: &mut TouchExamples, reaches: &R) 
     reaches.read(&|_| true, &mut |recording| Ok(examples.add_auxiliary(recording)?))
 }
 
-/// Judges reaches with models, of which each judges a part: reach i belongs to part i modulo their number, which is 1 without
-/// folds.
+/// Judges reaches with one model for each part. Reach i belongs to part i modulo the number of parts, which is 1 without folds.
 fn judged<R: ReadReaches>(
     folds: Option<usize>,
     models: impl Iterator<Item = Result<TouchModel, R::Error>>,
@@ -105,8 +104,8 @@ pub fn judge_touch<R: ReadReaches>(model: TouchModel, reaches: &R) -> Result<Tou
 /// modulo `folds`. Each part is judged by a model that `fit` fits to the other parts.
 ///
 /// # Errors
-/// The result of `refused` for a [`EvaluateError`], if there are too few folds, which is checked before any reach is read, too
-/// few reaches or categories; also the errors of reading a reach and of `fit`.
+/// What `refused` makes of an [`EvaluateError`], if there are too few folds, reaches or categories. Folds and reaches are counted
+/// before any reach is read. Also the errors of reading a reach and of `fit`.
 pub fn cross_validate_touch<R: ReadReaches>(
     folds: usize,
     options: TouchOptions,

@@ -43,7 +43,7 @@ pub struct JudgedObject {
     pub flips: usize,
     /// The share of known objects that are as unlike what is known, at its end.
     pub share_beyond: f64,
-    /// Its stiffness as it was told when its force was largest.
+    /// The stiffness that the classifier told when the object's force was largest.
     pub stiffness: Option<Stiffness>,
     /// Its true stiffness when its force was largest, N/m; `None` if it did not give way.
     pub true_stiffness_n_per_m: Option<f64>,
@@ -51,9 +51,9 @@ pub struct JudgedObject {
     pub moved_m: f64,
     /// What it had done under the push, at its end.
     pub mobility: Mobility,
-    /// Its contacts, as far as they belong to it, and those of them that ended as contacts with something unknown.
+    /// Number of its contacts.
     pub contacts: usize,
-    /// See `contacts`.
+    /// Number of its contacts whose last verdict was unknown.
     pub contacts_called_unknown: usize,
     /// The sensed force of all its taxels and frames, and the part of it that came from the true object, N.
     #[serde(skip)]

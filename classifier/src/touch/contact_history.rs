@@ -151,7 +151,7 @@ impl Course {
     }
 
     features! {
-        /// Their knees.
+        /// The knees of the features of a region, in order.
         const KNEES: f64;
         /// The features before they are compressed.
         pub(super) fn values(&self) {

@@ -98,7 +98,7 @@ impl TaxelCourse {
     }
 
     features! {
-        /// Their knees.
+        /// The knees of the features of a taxel, in order.
         const KNEES: f64;
         /// The features of the taxel's contact so far, in the order of [`Self::NAMES`], before they are compressed.
         /// `region` is the course of the region that the taxel belongs to.

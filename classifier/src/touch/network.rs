@@ -142,15 +142,14 @@ impl Network {
     /// rows.
     fn unfitted<const INPUTS: usize>(rows: &[Row<INPUTS>], classes: usize, random: &mut ChaCha8Rng) -> Self {
         let count = rows.len().max(1) as f64;
-        let mut mean = vec![0.0; INPUTS];
-        let mut scale = vec![0.0; INPUTS];
-        for index in 0..INPUTS {
+        let moments = |index: usize| {
             let values = || rows.iter().map(|row| row.features[index]);
-            mean[index] = values().sum::<f64>() / count;
-            let variance = values().map(|value| (value - mean[index]).powi(2)).sum::<f64>() / count;
+            let mean = values().sum::<f64>() / count;
+            let variance = values().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
             // A feature that never varies is left out.
-            scale[index] = if variance > 1e-12 { variance.sqrt().recip() } else { 0.0 };
-        }
+            (mean, if variance > 1e-12 { variance.sqrt().recip() } else { 0.0 })
+        };
+        let (mean, scale) = (0..INPUTS).map(moments).unzip();
         let mut layer = |rows: usize, inputs: usize| -> Vec<[f64; HIDDEN]> {
             let size = (6.0 / inputs as f64).sqrt();
             let mut row = || std::array::from_fn(|_| size * (2.0 * random.random::<f64>() - 1.0));

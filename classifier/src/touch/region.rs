@@ -32,7 +32,7 @@ pub(super) struct RegionTracker {
     region_before: Vec<Option<usize>>,
     /// The regions of the last frame.
     pub regions: Vec<Region>,
-    /// Those of the frame before it.
+    /// The regions of the frame before the last one.
     before: Vec<Region>,
     /// The taxels of one region after the other.
     pub taxels: Vec<usize>,

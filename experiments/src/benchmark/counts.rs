@@ -69,7 +69,7 @@ impl Counts {
 /// Number of forces of which one is chosen.
 const CANDIDATES: usize = 54;
 
-/// These forces, N: geometric from the threshold of contact, at which no reading counts as nothing, to 4.7 N.
+/// The forces of which one is chosen, N: geometric from the threshold of contact, at which no reading counts as nothing, to 4.7 N.
 const CANDIDATES_N: [f64; CANDIDATES] = {
     let mut forces_n = [THRESHOLD_N; CANDIDATES];
     let mut index = 1;

@@ -27,8 +27,8 @@ fn audit_seed(track: &str, judged: &str) -> u64 {
     1 << 52 | first >> 12
 }
 
-/// The name and the seed of each half of a track: the public one, and the audit half of what is judged. The hash of a model is
-/// in the name, because other models have other reaches; a controller has none.
+/// The name and the seed of each half of a track: the public one, and the audit half of what is judged. The name of the audit half
+/// has the hash of the model, because each model has other reaches. The hash is empty for a controller.
 pub(super) fn halves(track: &str, public_seed: u64, judged: &str, hash: &str) -> [(String, u64); 2] {
     let audit = if hash.is_empty() { "audit".to_owned() } else { format!("audit-{hash:.8}") };
     [("public".to_owned(), public_seed), (audit, audit_seed(track, judged))]

@@ -27,7 +27,7 @@ pub(super) enum Class {
     Trunk,
     /// An object foreign to the foliage. As an answer: unknown, or a category other than leaf and trunk.
     Unknown,
-    /// The model does not decide. This is never true.
+    /// The model does not decide. Only an answer, never the truth.
     Uncertain,
 }
 

@@ -105,7 +105,7 @@ fn check_names(file: &ExperimentFile, source: &Source) -> Result<(), InputError>
     let training = file.training.iter().map(|own| own.scene.clone());
     let names: [(&str, Vec<String>); 9] = [
         ("title", vec![file.title.clone()]),
-        // The same reaches would be in several folds.
+        // A scene that is named twice would have the same reaches in several folds.
         ("training.scene", training.collect()),
         ("truncations", file.truncations.iter().map(usize::to_string).collect()),
         ("ablation", ablation.collect()),

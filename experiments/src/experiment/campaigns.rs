@@ -41,7 +41,7 @@ pub struct Campaigns {
 /// The figures of a cell over campaigns.
 #[derive(Serialize)]
 pub struct CampaignFigures {
-    /// Those of all trials.
+    /// The figures of all trials.
     #[serde(flatten)]
     pub all: Figures<Spread>,
     /// The figures of the trials in which something truly touched the skin; `None` if no campaign has such trials.

@@ -119,7 +119,7 @@ pub fn run(session: &Session) -> Result<ComparedSettings, Fault> {
         let mut settings = vec![Folded::new(Setting::NOMINAL, &data.trials.taxel, &reaches, &counts)];
         for setting in &experiment.file.settings {
             let campaign = training::campaign(experiment, session.seed, &counts, |scene| scene.robot = setting.robot)?;
-            // They need about 10 MB per minute of simulated time.
+            // Recordings need about 10 MB of memory per minute of simulated time.
             let recordings = campaign.each(session.progress, Ok)?;
             let trials = Trials::of_recordings(experiment, &counts, &recordings)?;
             settings.push(Folded::new(&setting.name, &trials.taxel, &counts, &counts));

@@ -18,6 +18,7 @@ const FOLDS: usize = 3;
 /// The reaches of the mixed scene have indices from here on, so that none of them is among the test reaches, which are
 /// drawn from 0.
 const FIRST_INDEX: u64 = 1000;
+
 /// The verdicts, if the experiment asks for them.
 #[derive(Serialize)]
 pub struct VerdictFigures {

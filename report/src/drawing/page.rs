@@ -68,7 +68,7 @@ impl Page {
         let _ = writeln!(self.body, "<p>{}</p>", escape(text));
     }
 
-    /// The paragraphs for which there is something to say.
+    /// A paragraph for each of these texts.
     pub fn paragraphs(&mut self, texts: impl IntoIterator<Item = String>) {
         texts.into_iter().for_each(|text| self.paragraph(&text));
     }

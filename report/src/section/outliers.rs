@@ -34,7 +34,7 @@ pub fn add(report: &mut Report, outcome: &OutlierThresholds) {
                        nothing presses on (spurious readings, creep, crosstalk). The strips below show when an object of each \
                        category truly touches the patch.";
         report.page.figure(caption, &charts);
-        // On its page they follow the general reach.
+        // The replay page begins with the general reach, if there is one.
         let first = usize::from(outcome.online.shown().is_some());
         let links = outcome.online.outlier.iter().enumerate().map(|(place, reach)| {
             (replayed::reach(replayed::TEST_FILE, first + place), format!("draw {}", reach.reach_index))
@@ -168,8 +168,8 @@ pub fn reach_chart(reach: &Classified, labels: &[&str], looks: &CategoryLooks) -
     chart(name, title, format!("{}.", description.trim_end_matches(',')), axes, layers)
 }
 
-/// How an area or a strip of a category is filled. Leaves are dotted here, because they are drawn beside filled
-/// outliers.
+/// How an area or a strip is filled, by the name of its verdict or category. Leaves are dotted here, because they are drawn
+/// beside filled outliers.
 fn area_style(name: &str, looks: &CategoryLooks) -> Style {
     let look = looks.look(name);
     match name {

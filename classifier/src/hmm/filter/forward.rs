@@ -92,7 +92,7 @@ pub(super) struct Forward {
     /// Mantissas and exponents of the weights, one tile for each of the N states and the padding.
     mantissa: Vec<Tile>,
     exponent: Vec<Tile>,
-    /// The same after the current sample.
+    /// Mantissas and exponents of the weights after the current sample.
     next_mantissa: Vec<Tile>,
     next_exponent: Vec<Tile>,
     /// The weights relative to the largest.

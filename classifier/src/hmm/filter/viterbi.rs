@@ -52,7 +52,7 @@ impl ViterbiTables {
 #[derive(Clone, Debug)]
 pub(super) struct Viterbi {
     log2: Vec<Tile>,
-    /// The same logarithms, without the density of the current sample.
+    /// Log2-probabilities of the best path into each state, without the density of the current sample.
     into: Vec<Tile>,
 }
 

@@ -14,7 +14,7 @@ pub(super) const MIN_LOG2_DENSITY: f64 = -500.0;
 
 /// Nonzero transition probabilities below this are raised to it, so that no product with a weight is subnormal.
 pub(super) const MIN_TRANSITION: f64 = 3.054936363499605e-151;
-/// Its base-2 logarithm.
+/// The base-2 logarithm of [`MIN_TRANSITION`].
 const LOG2_MIN_TRANSITION: f64 = -500.0;
 
 /// Log2-densities below this have too few bits left for a fraction.
@@ -28,7 +28,7 @@ pub(super) struct LinearModel<'a> {
     pub(super) initial: Vec<Tile>,
     /// Transitions from all states into the states of a tile.
     pub(super) forward: TiledMatrix,
-    /// Its transpose.
+    /// The transpose of `forward`.
     pub(super) backward: TiledMatrix,
     /// Base-2 exponents of the entries of `forward`, −inf for zero.
     pub(super) exponents: TiledMatrix,

@@ -43,7 +43,7 @@ pub(super) struct Pass {
     states: usize,
     /// Transitions, rescaled by the states' exponents.
     forward: TiledMatrix,
-    /// Its transpose.
+    /// The transpose of `forward`.
     backward: TiledMatrix,
     /// Samples × tiles: densities in the forward pass, then γ divided by the sum of incoming weights.
     ahead: Vec<Tile>,

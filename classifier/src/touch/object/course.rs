@@ -15,9 +15,10 @@ use crate::touch::contact_history::{
 const LEVELS_N: [f64; 4] = [0.1, 0.3, 0.8, 2.0];
 /// What is described at each level, and its knee: taxels, the share of the strongest one, extent, press.
 const OF_LEVEL: [f64; 4] = [COUNT_KNEE, PLAIN, MOTION_KNEE_M, MOTION_KNEE_M];
-/// Stands for a level that was not reached; all that is described is positive or small.
+/// Stands for a level that was not reached. What is described at a level is larger: taxels, shares and extents are positive, and
+/// presses are far below 1 m.
 const NOT_REACHED: f64 = -1.0;
-/// A knee, as those of regions.
+/// The knee of compliances, m/N; see those of regions.
 const COMPLIANCE_KNEE_M_PER_N: f64 = 1e-3;
 /// A force is steady while it changes by less than this in a frame: this share of it, and this much, N.
 const STEADY: (f64, f64) = (0.02, 0.005);
@@ -202,7 +203,7 @@ impl ObjectCourse {
     }
 
     features! {
-        /// Their knees.
+        /// The knees of the features of an object alone, in order.
         const KNEES: f64;
         /// Its own features, before they are compressed.
         fn values(&self) {

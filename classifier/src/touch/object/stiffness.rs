@@ -14,7 +14,7 @@ use crate::touch::network::FITTED;
 const UNIT_N_PER_M: f64 = 100.0;
 /// A family needs this many objects, or it says little about kinds that training lacks.
 const FEWEST: usize = 20;
-/// The quantiles of the errors over their expected size that bound the interval.
+/// The interval ends at these quantiles of the errors, each divided by its expected size.
 const QUANTILES: [f64; 2] = [0.05, 0.95];
 /// No error is expected to be smaller, on the logarithmic scale. Choice: a tenth of the stiffness.
 const LEAST_ERROR: f64 = 0.1;

@@ -16,7 +16,7 @@ use crate::touch::frame::SkinTracker;
 
 /// An object gives a row after each of these numbers of samples, and at its end.
 const SAMPLES: [usize; 7] = [15, 30, 60, 120, 240, 480, 960];
-/// And after each of these numbers of frames, so that its category is learnt from the beginning as well.
+/// An object also gives a row after each of these numbers of frames, so that its category is learnt from the beginning.
 const EARLY_FRAMES: [usize; 9] = [1, 2, 3, 5, 10, 20, 30, 50, 100];
 /// Parts into which reaches are divided. Each part is judged by trees that are fitted to the others.
 const FOLDS: usize = 5;

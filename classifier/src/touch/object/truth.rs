@@ -35,7 +35,7 @@ pub(crate) fn strongest(votes: &Votes, recording: &Recording) -> Option<(u16, f6
 /// What is kept of each object of a recording, with the votes for what it truly is.
 #[derive(Default)]
 pub(crate) struct Followed<T> {
-    /// Those that have not ended, by number.
+    /// The objects that have not ended, by number.
     open: BTreeMap<u64, (T, Votes)>,
     ended: Vec<(T, Votes)>,
 }
