@@ -127,12 +127,9 @@ type Audited<'a> = (&'a str, u64, &'a Audit);
 /// assert!(exceeded_bounds(&bad, &layout)[0].starts_with("largest_contact_residual is 5.0e-1"));
 /// ```
 pub fn exceeded_bounds(audit: &Audit, layout: &SkinLayout) -> Vec<String> {
-    let exceeded = bounds(layout).filter_map(|bound| {
-        let value = (bound.field.get)(audit);
-        let name = bound.field.name;
-        (value > bound.max).then(|| format!("{name} is {value:.1e}; the bound is {:.1e}", bound.max))
-    });
-    exceeded.collect()
+    let values = bounds(layout).map(|Bound { field, max, .. }| (field.name, (field.get)(audit), max));
+    let exceeded = values.filter(|(_, value, max)| value > max);
+    exceeded.map(|(name, value, max)| format!("{name} is {value:.1e}; the bound is {max:.1e}")).collect()
 }
 
 /// Warnings about reaches of a data set that exceed a bound of the audit, with the worst value, and about skin that nothing

@@ -121,10 +121,8 @@ fn category(trial: &Trial) -> &str {
 /// Number of trials by reach and category. Trials that name no reach are left out.
 fn votes<'a>(trials: impl Iterator<Item = &'a Trial>) -> BTreeMap<u64, BTreeMap<&'a str, usize>> {
     let mut votes: BTreeMap<u64, BTreeMap<&str, usize>> = BTreeMap::new();
-    for trial in trials {
-        if let Some(reach) = trial.reach {
-            *votes.entry(reach).or_default().entry(category(trial)).or_default() += 1;
-        }
+    for (reach, trial) in trials.filter_map(|trial| Some((trial.reach?, trial))) {
+        *votes.entry(reach).or_default().entry(category(trial)).or_default() += 1;
     }
     votes
 }

@@ -125,11 +125,10 @@ impl TouchEvaluation {
         model: &Arc<TouchModel>,
         recordings: impl IntoIterator<Item = &'a Recording>,
     ) -> Result<Self, TrialError> {
-        let mut all = TouchEvaluation::default();
-        for recording in recordings {
+        recordings.into_iter().try_fold(TouchEvaluation::default(), |mut all, recording| {
             all.add(TouchEvaluation::of(model, recording)?);
-        }
-        Ok(all)
+            Ok(all)
+        })
     }
 
     fn judge(

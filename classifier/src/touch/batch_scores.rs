@@ -36,9 +36,7 @@ impl<const INPUTS: usize> FeatureRows<INPUTS> {
             self.fours.push([[0.0; FOUR]; INPUTS]);
         }
         if let Some(four) = self.fours.last_mut() {
-            for (lanes, feature) in four.iter_mut().zip(features) {
-                lanes[lane] = *feature;
-            }
+            four.iter_mut().zip(features).for_each(|(lanes, feature)| lanes[lane] = *feature);
         }
         self.count += 1;
     }

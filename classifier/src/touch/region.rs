@@ -114,10 +114,8 @@ impl RegionTracker {
                 if let Some(before) = self.region_before[taxel] {
                     self.votes[before] += force_n;
                 }
-                for &neighbour in &self.neighbours[taxel] {
-                    if let Some(before) = self.region_before[neighbour] {
-                        self.votes[before] += NEIGHBOUR_WEIGHT * force_n;
-                    }
+                for before in self.neighbours[taxel].iter().filter_map(|neighbour| self.region_before[*neighbour]) {
+                    self.votes[before] += NEIGHBOUR_WEIGHT * force_n;
                 }
             }
             let most = largest(self.votes.iter().copied().enumerate());
@@ -133,11 +131,9 @@ impl RegionTracker {
                 region.contact = before.contact;
             }
         }
-        for region in &mut self.regions {
-            if region.contact == 0 {
-                self.contacts += 1;
-                region.contact = self.contacts;
-            }
+        for region in self.regions.iter_mut().filter(|region| region.contact == 0) {
+            self.contacts += 1;
+            region.contact = self.contacts;
         }
     }
 }

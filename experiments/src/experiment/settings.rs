@@ -72,12 +72,8 @@ impl Folded {
     /// half of them into each fold. The reaches are the same at every setting: they have the same clutter and goals.
     pub fn new(name: &str, taxel_trials: &[Trial], reaches: &[u64], counts: &[u64]) -> Self {
         let own = folds(reaches, counts);
-        let mut folds = [Vec::new(), Vec::new()];
-        for trial in taxel_trials {
-            if let Some(fold) = trial.reach.and_then(|reach| *own.get(reach as usize)?) {
-                folds[fold].push(trial.clone());
-            }
-        }
+        let fold = |trial: &&Trial| *own.get(trial.reach? as usize)?;
+        let folds = [0, 1].map(|half| taxel_trials.iter().filter(|trial| fold(trial) == Some(half)).cloned().collect());
         Folded { name: name.into(), folds }
     }
 

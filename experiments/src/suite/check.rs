@@ -101,9 +101,7 @@ fn checked(
         let allowed = if end < f64::INFINITY { "finite numbers up to 1, for a share" } else { "finite numbers" };
         return Err(field.fault(number.to_string(), allowed));
     }
-    if let (Some(low), Some(high)) = (bound.at_least, bound.at_most)
-        && low > high
-    {
+    if let Some((low, high)) = bound.at_least.zip(bound.at_most).filter(|(low, high)| low > high) {
         return Err(field.fault(format!("at_least = {low} and at_most = {high}"), "at_least no larger than at_most"));
     }
     Ok(own)

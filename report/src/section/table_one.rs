@@ -73,11 +73,8 @@ pub fn choices(report: &Report) -> Option<String> {
     let run = report.results.seeds();
     let chosen: Vec<String> =
         chosen_on.iter().map(|own| format!("{} on seeds {} to {}", own.what, own.first, own.last)).collect();
-    let seen: Vec<String> = chosen_on
-        .iter()
-        .filter(|own| run.iter().any(|seed| (own.first..=own.last).contains(seed)))
-        .map(|own| format!("{} were chosen on some of these seeds", own.what))
-        .collect();
+    let seen = chosen_on.iter().filter(|own| run.iter().any(|seed| (own.first..=own.last).contains(seed)));
+    let seen: Vec<String> = seen.map(|own| format!("{} were chosen on some of these seeds", own.what)).collect();
     let here = match seen.is_empty() {
         true => format!("Nothing was chosen on {}.", seeds(&run)),
         false => format!("This run has {}: {}.", seeds(&run), seen.join(", and ")),

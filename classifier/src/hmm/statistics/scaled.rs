@@ -167,8 +167,9 @@ impl Pass {
             }
         }
         // No exponent may be so low that a rescaled transition into its state would exceed 1.
-        loop {
-            let mut raised = false;
+        let mut raised = true;
+        while raised {
+            raised = false;
             for (tile, span) in model.exponents.spans.iter().enumerate() {
                 let mut own = after[tile];
                 for (row, entries) in span.rows.clone().zip(&model.exponents.rows[span.places.clone()]) {
@@ -177,9 +178,6 @@ impl Pass {
                 }
                 raised |= own != after[tile];
                 after[tile] = own;
-            }
-            if !raised {
-                break;
             }
         }
         for ((weight, after), before) in weights.iter_mut().zip(&*after).zip(before) {

@@ -136,11 +136,9 @@ impl Pass {
             }
         }
         for (tile, span) in self.backward.spans.iter().enumerate() {
-            for (to, counts) in span.rows.clone().zip(&self.transitions[span.places.clone()]).filter(|(to, _)| *to < n)
-            {
-                for (from, count) in (tile * WIDTH..n).zip(counts) {
-                    statistics.transition[from * n + to] += count;
-                }
+            let rows = span.rows.clone().zip(&self.transitions[span.places.clone()]);
+            for (to, counts) in rows.filter(|(to, _)| *to < n) {
+                (tile * WIDTH..n).zip(counts).for_each(|(from, count)| statistics.transition[from * n + to] += count);
             }
         }
     }
