@@ -68,9 +68,8 @@ impl Ends {
     /// The summary as text of several lines.
     pub fn text(&self) -> String {
         let mut text = format!("{}\n{}", self.goals, self.touched_text());
-        for AbortedReach { scene, reach_index, stop } in self.aborted.iter().take(LISTED) {
-            text.push_str(&format!("\naborted: reach {reach_index} of {scene}: {stop}"));
-        }
+        let listed = self.aborted.iter().take(LISTED);
+        text.extend(listed.map(|own| format!("\naborted: reach {} of {}: {}", own.reach_index, own.scene, own.stop)));
         if self.aborted.len() > LISTED {
             text.push_str(&format!("\naborted: {} more reaches", self.aborted.len() - LISTED));
         }

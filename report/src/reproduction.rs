@@ -37,9 +37,8 @@ impl Reproduction<'_> {
         let experiment = self.experiment();
         let session = Session::new(&experiment, (self.seed, self.quick, self.campaigns), out, progress);
         let data = session.once(training::run)?;
-        for warning in audit::warnings(data.dataset.episodes(), &data.dataset.plan().layout) {
-            progress.remark(&warning);
-        }
+        let warnings = audit::warnings(data.dataset.episodes(), &data.dataset.plan().layout);
+        warnings.iter().for_each(|warning| progress.remark(warning));
         write_trials(out.join("trials-component.parquet"), &data.trials.component)?;
         write_trials(out.join("trials-taxel.parquet"), &data.trials.taxel)?;
         let text = online_models::model(&session)?.save_string();

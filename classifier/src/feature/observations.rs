@@ -100,9 +100,8 @@ impl Scaling {
 
     /// Scales one sample in place.
     pub fn apply(&self, sample: &mut [f64]) {
-        for ((value, mean), standard_deviation) in sample.iter_mut().zip(&self.mean).zip(&self.standard_deviation) {
-            *value = (*value - mean) / standard_deviation;
-        }
+        let moments = self.mean.iter().zip(&self.standard_deviation);
+        sample.iter_mut().zip(moments).for_each(|(value, (mean, deviation))| *value = (*value - mean) / deviation);
     }
 
     /// Scales all samples of a sequence in place.

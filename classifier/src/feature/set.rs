@@ -168,10 +168,8 @@ impl FeatureSet {
         }
         let dimension = self.dimension();
         let mut values = vec![0.0; count * dimension];
-        let rows = values.chunks_exact_mut(dimension);
-        for (index, (sample, row)) in trial.samples.iter().zip(rows).enumerate() {
-            self.read(sample, row).map_err(|fault| fault.at(trial, index))?;
-        }
+        let mut rows = trial.samples.iter().zip(values.chunks_exact_mut(dimension)).enumerate();
+        rows.try_for_each(|(index, (sample, row))| self.read(sample, row).map_err(|fault| fault.at(trial, index)))?;
         Observations::new(dimension, values)
     }
 }

@@ -26,17 +26,13 @@ pub fn equal_slice_start(
     }
     let dimension = check_sequences(sequences)?;
     let largest = largest_observation(sequences);
-    let mut mean = Vec::with_capacity(states);
-    let mut covariance = Vec::with_capacity(states);
-    for state in 0..states {
-        let (state_mean, mut state_covariance) = slice_moments(sequences, dimension, state, states);
-        floor_eigenvalues(&mut state_covariance, variance_floor);
-        if is_singular(&state_covariance, largest) {
-            return Err(TrainingError::SingularCovariance { state, iteration: 0 });
-        }
-        mean.push(state_mean);
-        covariance.push(state_covariance);
-    }
+    let of_state = |state: usize| {
+        let (mean, mut covariance) = slice_moments(sequences, dimension, state, states);
+        floor_eigenvalues(&mut covariance, variance_floor);
+        let singular = TrainingError::SingularCovariance { state, iteration: 0 };
+        if is_singular(&covariance, largest) { Err(singular) } else { Ok((mean, covariance)) }
+    };
+    let (mean, covariance): (Vec<_>, Vec<_>) = (0..states).map(of_state).collect::<Result<_, _>>()?;
     let (initial, transition) = (initial.probabilities(states), topology.transitions(states));
     Ok(GaussianHmm::new(HmmParameters { initial, transition, mean, covariance })?)
 }

@@ -73,11 +73,7 @@ pub(super) fn sharpness(rows: &[&Judged]) -> f64 {
     let (mut low, mut high) = (-3.0, 1.0);
     while high - low > 1e-3 {
         let [first, second] = [high - golden * (high - low), low + golden * (high - low)];
-        if entropy(first) < entropy(second) {
-            high = second;
-        } else {
-            low = first;
-        }
+        (low, high) = if entropy(first) < entropy(second) { (low, second) } else { (first, high) };
     }
     math::exp(0.5 * (low + high))
 }

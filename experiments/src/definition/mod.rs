@@ -53,9 +53,8 @@ impl Experiment {
     pub fn paper() -> Result<Self, InputError> {
         let text = include_str!("../../paper.toml");
         Self::parse(Path::new("paper.toml"), text, |name, field| {
-            let Some(text) = name.strip_prefix("../scenes/").and_then(shipped) else {
-                return Err(field.fault(name, "a scene that ships"));
-            };
+            let text = name.strip_prefix("../scenes/").and_then(shipped);
+            let text = text.ok_or_else(|| field.fault(name, "a scene that ships"))?;
             Scene::parse(name.trim_start_matches("../"), text.into())
         })
     }

@@ -45,11 +45,8 @@ fn student_t_quantile(probability: f64, degrees: usize) -> f64 {
     // Halving to the last bit: 64 steps for a double.
     for _ in 0..64 {
         let middle = 0.5 * (low + high);
-        if student_t_probability(middle, degrees) < probability {
-            low = middle;
-        } else {
-            high = middle;
-        }
+        let is_below = student_t_probability(middle, degrees) < probability;
+        (low, high) = if is_below { (middle, high) } else { (low, middle) };
     }
     high
 }

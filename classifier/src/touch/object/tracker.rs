@@ -148,13 +148,8 @@ impl ObjectTracker {
     fn end_old(&mut self, time_s: f64) {
         self.ended.clear();
         self.members.retain(|member| time_s - member.last_s <= PLACE_S);
-        let (members, ended) = (&self.members, &mut self.ended);
-        self.objects.retain(|object| {
-            let is_left = members.iter().any(|member| member.object == object.number);
-            if !is_left {
-                ended.push(*object);
-            }
-            is_left
-        });
+        let members = &self.members;
+        let is_over = |object: &mut TouchObject| members.iter().all(|member| member.object != object.number);
+        self.ended.extend(self.objects.extract_if(.., is_over));
     }
 }
