@@ -183,7 +183,8 @@ impl Reaches {
     /// Finds the reaches of these files and folders.
     ///
     /// # Errors
-    /// If one is neither a data set nor a recording, or is given twice, as a copy, too: a reach would be in training and test at once.
+    /// If a path is neither a data set nor a recording, or if the same reaches are given twice, also as a copy. A reach could
+    /// then be in training and test at once.
     pub fn open(paths: &[PathBuf]) -> Result<Self, Failure> {
         let paths = with_recordings(paths)?;
         let source = |path: &PathBuf| {

@@ -1,5 +1,5 @@
-//! Options that choose one of some names, options that are numbers, which options are given, and the options for extracting trials
-//! from a data set or a recording.
+//! What the options of several commands have in common: how names, numbers and pairs are read, which options are given, and
+//! the options for extracting trials from a data set or a recording.
 
 use std::path::Path;
 use std::str::FromStr;
@@ -111,7 +111,7 @@ impl TrialArguments {
         self.threshold_n.unwrap_or(TrialOptions::default().threshold_n)
     }
 
-    /// What is not given.
+    /// The values of the options that are not given.
     fn preset(&self) -> TrialOptions {
         if self.is_paper() { TrialOptions::paper() } else { TrialOptions::default() }
     }

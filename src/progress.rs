@@ -64,7 +64,7 @@ pub fn bar(length: u64, things: &str) -> ProgressBar {
     bar
 }
 
-/// The time left; empty without an estimate, which is zero, and in the last second.
+/// The time left, as text. Empty in the last second, and without an estimate, which is then zero.
 fn left(estimate: Duration) -> String {
     match estimate.as_secs() {
         0 => String::new(),

@@ -48,9 +48,10 @@ const ONE_SPEED: f64 = 0.1;
 /// Shortest time at one depth from which creep is fitted, s.
 const MIN_HOLD_S: f64 = 2.0;
 
-/// How much the depth may vary in a hold, and how much it may drift, as shares of the largest depth. Choices: noise of a sensor, and
-/// much less than a slow press has while it crosses the first share.
+/// How much the depth may vary in a hold, as a share of the largest depth. Choice: the noise of a sensor.
 const VARIES: f64 = 0.02;
+/// How much the depth may drift in a hold, as a share of the largest depth. Choice: much less than a slow press moves while
+/// its depth varies by [`VARIES`].
 const DRIFTS: f64 = 0.005;
 
 /// One row of the file.

@@ -134,8 +134,8 @@ pub struct TaxelReading {
     pub object: Option<u16>,
 }
 
-/// A contact as the solver found it: of a patch of skin, or of the bare part of a link, with a body of an object or another link, over a frame.
-/// Two links that touch have one each.
+/// A contact of one frame, as the solver found it. A patch of skin, or the bare part of a link, touches a body of an
+/// object or another link. Two links that touch each other have one contact each.
 ///
 /// The forces of all contacts of a frame add up to the mean over its 10 ms, so the torques on the joints are
 /// τ = Σ Jᵀ f. Values are in single precision, as they are stored.

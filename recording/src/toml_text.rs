@@ -2,8 +2,8 @@
 //! errors that are found after parsing, the line of a key can be looked up.
 //!
 //! The parser drops what follows the last element that a type takes (`[0.02, 0.03, 0.04]` for two numbers), and takes an
-//! array for a table, by position. Both hide mistakes. So it is checked whether arrays and tables are where the JSON Schema
-//! of the file asks for them, and arrays no longer than it allows.
+//! array for a table, by position. Both hide mistakes. Therefore a parsed file is also compared with its JSON Schema: arrays
+//! and tables must stand where the schema has them, and no array may be longer than the schema allows.
 
 use std::path::Path;
 

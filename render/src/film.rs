@@ -9,13 +9,15 @@ use crate::{Camera, RenderError, Size, Stage};
 
 /// Pictures that are drawn before they are written: some for each core, few enough to hold them.
 const AT_ONCE: usize = 16;
-/// Pictures, evenly spaced, for which the palette is chosen, from every n-th pixel. `color_quant` calls 10 a good balance of time
-/// and quality.
+/// The palette is chosen from about this many pictures, evenly spaced.
 const TYPICAL: usize = 6;
+/// Of these pictures, every n-th pixel is looked at. `color_quant` calls 10 a good balance of time and quality.
 const EVERY: i32 = 10;
-/// Colours of the palette; one more is what has not changed. They are looked up with some bits of a channel.
+/// Colours of the palette.
 const COLOURS: usize = 255;
+/// Stands for a pixel that has not changed since the picture before: the number after the last colour.
 const UNCHANGED: u8 = 255;
+/// A colour is looked up by this many leading bits of each channel.
 const BITS: u32 = 6;
 
 /// How a reach becomes a film.

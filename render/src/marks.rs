@@ -9,12 +9,15 @@ use crate::colour;
 use crate::mesh::Mesh;
 use crate::scene::{Kind, Scene, Surface};
 
-/// A taxel's plate lies this far above its place, m, and a goal is drawn with this radius, m.
+/// A taxel's plate lies this far above its place, m.
 const LIFT_M: f64 = 0.0012;
+/// Radius of a goal, m.
 const GOAL_M: f64 = 0.016;
-/// Obstacles on a map are cages of rods of this radius, m, with so many uprights. They hang down so far, m, or to the table.
+/// An obstacle on a map is a cage of rods. This is the radius of a rod, m.
 const ROD_M: f64 = 0.0015;
+/// Number of upright rods of a cage.
 const UPRIGHTS: usize = 8;
+/// Height of a cage where there is no table, m. Over a table it reaches down to the table.
 const CAGE_M: f64 = 0.4;
 /// Length of a shaft, m per newton, and its least and largest length, m.
 const METRES_PER_NEWTON: f64 = 0.04;

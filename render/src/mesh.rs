@@ -7,9 +7,10 @@ use underbrush_recording::{BodyPart, BodyShape, math};
 use underbrush_sim::blade::Blade;
 use underbrush_sim::geometry::convex_hull;
 
-/// Corners of a quarter of a circle with a radius of one centimetre, and most of any circle. They grow with the root of the
-/// radius, so that outlines are off by less than 0.8 mm.
+/// Corners of a quarter of a circle with a radius of one centimetre. Their number grows with the root of the radius, so that
+/// outlines are off by less than 0.8 mm.
 const QUARTER: f64 = 2.0;
+/// Most corners of a quarter of a circle.
 const MOST: f64 = 12.0;
 /// Points of a blade's curve between two hinges.
 const STEPS: usize = 4;

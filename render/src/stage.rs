@@ -97,9 +97,8 @@ impl<'a> Stage<'a> {
         full_scale_n: f64,
         places_world: &[DVec3],
     ) -> Result<Self, RenderError> {
-        // The ground is drawn where the top of a table is.
         let is_table = |object: u16| objects.get(usize::from(object)).is_some_and(|object| object.kind == "table");
-        // The table is drawn under whatever is seen, whether it is an object or not.
+        // The table is drawn under whatever is seen, whether it is an object or not, so that its own shape is left out.
         let mesh = |body: &Body| match body.owner {
             BodyOwner::Object(object) if is_table(object) => Mesh::default(),
             _ => Mesh::of_parts(&body.parts),

@@ -30,8 +30,8 @@ const MOST_FRAMES: f64 = 720_000.0;
 /// The reaches of a table, in the order of their indices.
 ///
 /// # Errors
-/// If a trial has no taxel (it is then a trial of a contact region or of something without taxels), if a recording cannot have the name of a category,
-/// if a reach has too long a gap, or if frames would change the trials.
+/// If a trial has no taxel, as one of a contact region or of a sensor without taxels; if a category has a name that a
+/// recording cannot have; if a reach is too long; and if frames would change the trials.
 pub fn reaches(path: &Path, trials: &[Trial]) -> Result<Vec<Recording>, InputError> {
     let layout = layout(path, trials)?;
     let objects = objects(path, trials)?;

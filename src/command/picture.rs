@@ -64,7 +64,8 @@ fn place(text: &str) -> Result<DVec3, String> {
 }
 
 impl PictureArguments {
-    /// Draws a picture or a film of one of the reaches, if one is asked for; false if not. Its file is checked before.
+    /// Draws a picture or a film of one of the reaches, if one is asked for, and returns whether it is. The file must have
+    /// been checked by [`PictureArguments::check`].
     pub fn run(&self, source: &Source, chosen: &[usize], json: bool) -> Result<bool, Failure> {
         let Some(path) = self.still.as_ref().or(self.video.as_ref()) else { return Ok(false) };
         let reaches = source.reaches.len();

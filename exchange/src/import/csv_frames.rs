@@ -102,7 +102,8 @@ fn without_comments(text: &mut [u8]) {
     lines.for_each(|line| line.fill(b'\r'));
 }
 
-/// Hands all rows of the file to the cutter and, if the skin is known, to the recorder. Returns what is suspicious about the file.
+/// Hands all rows of the file to the cutter and, if there is one, to the recorder. Returns a warning for everything that is
+/// suspicious about the file.
 pub(super) fn read(
     path: &Path,
     mapping: &Mapping,

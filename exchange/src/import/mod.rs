@@ -37,13 +37,13 @@ pub struct Imported {
     pub warnings: Vec<String>,
 }
 
-/// Cuts trials from a CSV file. With `with_recordings` it makes a recording of each reach, too, in which the labels take the place
-/// of ground truth. There may then be no trials.
+/// Cuts trials from a CSV file. With `with_recordings` it also makes a recording of each reach, in which the labels take the
+/// place of ground truth. It is then no error if there are no trials.
 ///
 /// # Errors
-/// [`InputError`] if something in the mapping or the file is missing or not allowed, with its line, if no trial is found, and if
-/// the file cannot be read. For recordings, also if the mapping does not say where the taxels are, or a frame with forces has no
-/// label.
+/// [`InputError`] with the line if something in the mapping or the file is missing or not allowed; also if no trial is
+/// found, and if the file cannot be read. For recordings, also if the mapping does not say where the taxels are, or if a
+/// frame with forces has no label.
 ///
 /// ```
 /// use underbrush_exchange::import::{Mapping, import};

@@ -23,8 +23,10 @@ const FASTEST_M_PER_S: f64 = 20.0;
 const RATE_DIFFERENCE: f64 = 0.02;
 /// A larger share of missing frames is warned of. Choice: more than a busy logger loses.
 const MANY_MISSING: f64 = 0.1;
-/// The columns of the file of taxels, and their largest sizes: places and areas as in skin files, so that millimetres are noticed.
+/// The columns of the file of taxels.
 const TAXEL_COLUMNS: [&str; 7] = ["x_m", "y_m", "z_m", "normal_x", "normal_y", "normal_z", "area_m2"];
+/// The largest size of a number in each of these columns: of places, m, and areas, m², as in skin files, so that numbers in
+/// millimetres are noticed.
 const LARGEST: [f64; 7] = [5.0, 5.0, 5.0, 1e3, 1e3, 1e3, 0.25];
 
 /// Takes frames one after another and makes a recording of each reach.

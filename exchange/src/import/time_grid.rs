@@ -12,17 +12,21 @@ use crate::straight_line;
 /// Frames that are missing for at most this long repeat the one before, s. A longer pause is no lost frame.
 const LONGEST_PAUSE_S: f64 = 1.0;
 
-/// The first frames from which the step is found, and how far around the median step or that of a given rate it is sought, in shares.
+/// The step is first found from this many frames.
 const FIRST: usize = 512;
+/// How far the step may be from the median step, as a share.
 const AROUND: f64 = 0.25;
+/// How far the step may be from that of a given rate, as a share.
 const AROUND_GIVEN: f64 = 0.01;
 /// Fewer frames tell less about the rate than one that is given.
 const FEW: usize = 50;
-/// More frames of the right rate leave at least so much of a frame without times. Choice: frames of another rate seldom do.
+/// At the right rate, the times of more frames leave at least this part of a frame empty. Choice: at another rate they
+/// seldom do.
 const CLEAR: f64 = 0.15;
 /// How far the last frame moves, in frames, from one step that is tried to the next.
 const CLOSE: f64 = 0.1;
-/// A frame this far from its place, in frames, is not of the rate: a half, and what the rate found may be off.
+/// A frame that is this far from its place, in frames, does not belong to the rate. Choice: half a frame, and a tenth for
+/// the error of the rate that was found.
 const FAR: f64 = 0.6;
 
 /// A rate, and the place of each frame among frames of that rate.
@@ -32,8 +36,8 @@ pub(super) struct TimeGrid {
     places: Vec<usize>,
 }
 
-/// How well times fit frames of this step, from 0 (they may be anywhere) to 1 (they fit exactly), by the periodogram of the times;
-/// and how far after the first time frame 0 is, in frames.
+/// The periodogram of the times at this step. Returns how well the times fit, from 0 (they may be anywhere) to 1 (they fit
+/// exactly), and how far frame 0 is after the first time, in frames.
 fn fit(times_s: &[f64], step_s: f64) -> (f64, f64) {
     let turns = times_s.iter().map(|time_s| TAU * (time_s - times_s[0]) / step_s);
     let [sine, cosine] = turns.fold([0.0, 0.0], |[sine, cosine], turn| {
@@ -43,7 +47,8 @@ fn fit(times_s: &[f64], step_s: f64) -> (f64, f64) {
     (math::hypot(sine, cosine) / times_s.len() as f64, math::atan2(sine, cosine) / TAU)
 }
 
-/// The step that scores best, of those within a share around a first guess that are so close to each other, as a share, too.
+/// The step with the best score, s. The steps that are tried lie within the share `around` of a first guess and differ by
+/// the share `closeness` of it.
 fn nearest(step_s: f64, around: f64, closeness: f64, score: impl Fn(f64) -> f64) -> f64 {
     let most = (around / closeness).ceil().min(2.0 * FIRST as f64) as i32;
     let steps_s = (-most..=most).map(|number| step_s * (1.0 + f64::from(number) * closeness));
@@ -51,7 +56,8 @@ fn nearest(step_s: f64, around: f64, closeness: f64, score: impl Fn(f64) -> f64)
     best.map_or(step_s, |(_, own_s)| own_s)
 }
 
-/// The step that fits best, within a share around a first guess. The more frames are looked at, the closer is what remains possible.
+/// The step that fits best, s, within the share `around` of a first guess. Each turn looks at twice as many frames as the
+/// one before, and at steps closer to the best so far.
 fn best_step_s(times_s: &[f64], mut step_s: f64, mut around: f64) -> f64 {
     let mut count = FIRST;
     loop {
@@ -66,9 +72,13 @@ fn best_step_s(times_s: &[f64], mut step_s: f64, mut around: f64) -> f64 {
     }
 }
 
-/// How far after the first time frame 0 is, in frames of this step, if all frames jitter by less than half: opposite the widest part
-/// of a frame in which no time is, of those that put no two times into one frame and leave the fewest frames out. And how wide that
-/// part is, in frames; 0 if each puts two times into one frame.
+/// Finds frame 0 if all frames jitter by less than half a frame. Returns how far frame 0 is after the first time, and the
+/// width of a gap, both in frames of this step.
+///
+/// The places of the times within their frames leave gaps, in which no time lies. Frames begin and end in the middle of one
+/// of these gaps. It must put no two times into one frame, and of those that do not, it is the one that leaves the fewest
+/// frames without a time, and among equal ones the widest. If every gap puts two times into one frame, the widest is taken,
+/// and the width that is returned is 0.
 fn phase(times_s: &[f64], step_s: f64) -> (f64, f64) {
     let frames = |time_s: &f64| (time_s - times_s[0]) / step_s;
     let parts = math::sorted(times_s.iter().map(|time_s| frames(time_s).rem_euclid(1.0)).collect());

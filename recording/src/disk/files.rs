@@ -1,6 +1,7 @@
-//! Paths that the user named: what is there, what may be read, and where an output may be written, which is not over an
-//! input, and over what is there only by force. And files that get their final name only when they are complete: temporary
-//! name, sync, rename.
+//! Paths that the user named, and files that are written whole.
+//!
+//! An output is never written over an input, and over another file only with `--force`. A file is written under a
+//! temporary name, synced and then renamed, so that it has its final name only when it is complete.
 
 use std::ffi::OsStr;
 use std::fs::{self, File, Metadata};

@@ -61,9 +61,9 @@ pub(super) fn batches(frames: usize) -> impl Iterator<Item = Range<usize>> {
 
 /// Writes a reach to a Parquet file (zstd). All forces and angles are stored exactly.
 ///
-/// The file gets its name only when it is complete, and contains its own hash. Leftovers of killed processes are removed. Its columns are those of a data set
-/// (LeRobotDataset v3.0), with episode 0 and task 0. `timestamp` is frame index / rate in single precision, and
-/// `time_s` is the exact time.
+/// The file gets its name only when it is complete, and contains its own hash. Leftovers of killed processes are
+/// removed. Its columns are those of a data set (LeRobotDataset v3.0), with episode 0 and task 0. `timestamp` is frame
+/// index / rate, s, in single precision, and `time_s` is the exact time.
 ///
 /// # Errors
 /// [`DiskError::Unwritable`] for a recording that breaks a rule of its types (lengths, indices, finite numbers, taxel
@@ -105,7 +105,7 @@ fn is_sound_recording(path: &Path) -> Result<bool> {
     Ok(is_parquet && ParquetTable::open(path)?.key_value(FORMAT_KEY).is_ok())
 }
 
-/// The same paths, but in place of a folder of recordings that is no data set, the recordings in it, by name.
+/// The paths with each folder of recordings that is no data set replaced by the recordings in it, sorted by name.
 ///
 /// # Errors
 /// As [`recordings_in`].
@@ -118,7 +118,8 @@ pub fn with_recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>, DiskError> {
     Ok(all)
 }
 
-/// The recordings in a folder that is no data set, by name; none for any other path. Other tables and folders in it are left out.
+/// The recordings in a folder that is no data set, sorted by name. Other tables and folders in it are left out. Empty for
+/// a path that is no such folder.
 ///
 /// # Errors
 /// [`DiskError::Input`] if there are none in the folder, and for a damaged Parquet file, which may be one of them;

@@ -40,8 +40,8 @@ impl Drop for Registered {
     }
 }
 
-/// A folder for what is needed only while the program runs. It is removed with all that it holds when it is dropped, or when a signal
-/// ends the program.
+/// A folder that is needed only while the program runs. It is removed with its content when it is dropped, or when a
+/// signal ends the program.
 pub struct UnfinishedFolder {
     folder: TempDir,
     _registered: Registered,

@@ -163,8 +163,8 @@ const STEPS_PER_DOUBLING: f64 = 8.0;
 /// Number of doublings, beginning at one microsecond: 2^40 µs are two weeks.
 const DOUBLINGS: usize = 40;
 
-/// Times from receiving a frame (a line, or a frame of a file) until its answer is written, in memory that does not grow with the
-/// stream.
+/// A histogram of the times from receiving a frame (a line, or a frame of a file) until its answer is written. Its memory
+/// does not grow with the stream.
 struct Latency {
     /// Number of answers by the logarithm of their time.
     counts: Vec<u64>,

@@ -1,6 +1,6 @@
-//! The classifier `touch`, which judges frames instead of trials. First the options for turning probabilities into verdicts, and for
-//! how many bad ones a fitted model may give; then fitting and judging models, for `underbrush train` and `underbrush evaluate`.
-//! Scenes in place of data sets have reaches that are made for one training and then thrown away.
+//! The classifier `touch`, which judges frames instead of trials: its options, and how `underbrush train` fits models and
+//! `underbrush evaluate` judges them. If scenes are given in place of data sets, their reaches are simulated for one training
+//! and then removed.
 
 mod text;
 

@@ -22,8 +22,8 @@ pub(crate) const PLAN: &str = "incomplete/plan.json";
 pub(crate) const ASSEMBLED: &str = "incomplete/assembled.bin";
 pub(crate) const LOCK: &str = "incomplete/lock";
 
-/// Whether a folder has one of the files that this program adds to LeRobot's layout. Other programs write the other files under the
-/// same names. One of these may have been lost.
+/// Whether a folder has any of the files that this program adds to LeRobot's layout. Other programs do not write them. One
+/// is enough, because the others may have been lost.
 pub(crate) fn has_own(dir: &Path) -> Result<bool> {
     let mut there = [PROVENANCE, CHECKSUMS, TAXELS].into_iter().map(|name| is_there(&dir.join(name)));
     there.try_fold(false, |any, own| Ok(any || own?))

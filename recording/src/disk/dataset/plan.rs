@@ -53,8 +53,8 @@ pub struct Provenance {
     /// here make other data. Empty for data that are not simulated.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub arithmetic: String,
-    /// Options of the engine and of the sensor, by scene, to be looked up. The set is generated again from the text of the
-    /// scenes. JSON has no infinity: `null` is a saturation that the scene switches off with `inf`.
+    /// Options of the engine and of the sensor, by scene. They are for readers only: the text of the scenes generates the
+    /// set again. JSON has no infinity, so `null` is a saturation that the scene switches off with `inf`.
     pub options: BTreeMap<String, Value>,
     /// The scenes, in the order of the campaign.
     pub scenes: Vec<SceneText>,

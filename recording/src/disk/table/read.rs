@@ -294,8 +294,8 @@ struct Source {
     level: i16,
 }
 
-/// For each value or gap, its definition level, which says whether it is there, and its repetition level, which is 0 where a row
-/// begins.
+/// Two levels for each value or gap. The definition level says whether the value is there. The repetition level is 0 where
+/// a row begins.
 type Levels = [Vec<i16>; 2];
 
 impl Source {

@@ -214,7 +214,8 @@ table! {
     area_m2: f64, "m²", "sensitive area";
 }
 
-/// Whether a column of frames has a number, or several, for each joint or taxel, so that its rows are lists even if there is one.
+/// Whether a column of frames has numbers for each joint or for each taxel. Its rows are then lists, even if there is only
+/// one joint or taxel.
 pub fn is_of_joints_or_taxels(name: &str) -> bool {
     let mut columns = FRAME_COLUMNS.iter().chain(TRUTH_COLUMNS).map(|column| &column.described);
     columns.any(|own| own.covers(name) && matches!(own.width, Width::Joints | Width::Taxels(_)))

@@ -20,8 +20,8 @@ fn pandas_column(name: &str, pandas: &str, numpy: &str) -> Value {
     json!({"name": name, "field_name": name, "pandas_type": pandas, "numpy_type": numpy, "metadata": null})
 }
 
-/// Writes the tasks in the order of their numbers, from 0. LeRobot takes the sentence from the pandas index, so the metadata declare `task` as the
-/// index.
+/// Writes the tasks in the order of their numbers, from 0. LeRobot takes the sentence from the pandas index, so the
+/// metadata declare `task` as the index.
 pub(crate) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, usize>) -> Result<()> {
     let mut tasks: Vec<_> = numbers.iter().collect();
     tasks.sort_unstable_by_key(|(_, number)| **number);

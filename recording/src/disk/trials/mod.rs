@@ -2,9 +2,9 @@
 //!
 //! The columns `trial`, `time_s` and `force_n` are required. `category`, `reach`, `patch`, `taxel`, `motion_m`,
 //! `touched` and, all three together, `region_taxels`, `region_largest_force_n` and `region_force_sum_n` are
-//! optional. Other numeric columns are channels ([`crate::Channels`]), and the remaining columns are ignored. `touched` is ground truth, `true` or `false`: whether an object truly pressed
-//! the taxel in that sample ([`crate::Sample::touched`]). Rows of a trial need not be adjacent. Trials are in the
-//! order of their first rows.
+//! optional. Other numeric columns are channels ([`crate::Channels`]), and the remaining columns are ignored. `touched` is
+//! ground truth, `true` or `false`: whether an object truly pressed the taxel in that sample
+//! ([`crate::Sample::touched`]). Rows of a trial need not be adjacent. Trials are in the order of their first rows.
 
 mod csv_table;
 mod parquet_table;

@@ -184,9 +184,9 @@ impl Shards {
         &self.plan
     }
 
-    /// Writes the set that one process would have made, byte for byte, into an empty or new folder or, with `resume`,
-    /// continues an interrupted merge there. As many reaches are in memory as there are threads. `merged` is called when a reach has
-    /// been read.
+    /// Writes the set that one process would have made, byte for byte, into an empty or new folder. With `resume` it
+    /// continues an interrupted merge. As many reaches are in memory as there are threads. `merged` is called for each
+    /// reach that has been read.
     ///
     /// # Errors
     /// As [`DatasetWriter::create`] and [`DatasetWriter::finish`], and [`DiskError::Input`] for damaged parts.

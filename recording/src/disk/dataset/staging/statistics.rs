@@ -29,8 +29,8 @@ struct ColumnStatistics {
     mean: Vec<f64>,
     /// Sums of squared differences from the mean.
     squares: Vec<f64>,
-    /// Bins in order, with their samples. Zeros are left out, because most taxels have many of them; their number is the rest of the
-    /// count.
+    /// Bins in ascending order, with the number of samples in each. Zeros have no bin, because most taxels have many of
+    /// them. Their number is `count` less the samples of all bins.
     bins: Vec<Vec<(i32, u64)>>,
 }
 
