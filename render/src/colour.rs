@@ -13,11 +13,13 @@ pub const ARM: &str = "#7d8995";
 pub const PLATE: &str = "#b9c2ca";
 /// The goal.
 pub const GOAL: &str = "#1f5fbf";
-/// What is fixed on a controller's map, and what gives way; what is doubtful has the colour of the goal.
+/// What is fixed on a controller's map. What is doubtful has the colour of the goal.
 pub const FIXED: &str = "#1c2329";
+/// What gives way on a controller's map.
 pub const YIELDING: &str = "#1b8a4b";
-/// An arrow, and one where a taxel senses more than the controller's limit.
+/// An arrow.
 pub const ARROW: &str = "#1c2329";
+/// An arrow where a taxel senses more than the controller's limit.
 pub const OVER: &str = "#c8102e";
 /// The table, and the lines on it.
 pub const TABLE: &str = "#d9cfc0";
@@ -29,8 +31,9 @@ const RAMP: [&str; 6] = ["#e9edf1", "#fdd98c", "#f79646", "#d9472f", "#9b1b4b", 
 
 /// Direction to the lamp, of length 1, world frame.
 pub const LAMP: Vec3 = Vec3::new(-0.2242, -0.5231, 0.8222);
-/// Light from all around: from above, and from below as a share of it. Darker than on the page, which has no shadows.
+/// Light from above, of the light from all around. It is darker than on the page, which has no shadows.
 const AROUND: f32 = 0.52;
+/// Light from below, as a share of that from above.
 const BELOW: f32 = 0.72;
 /// Light of the lamp on a surface that faces it.
 const DIRECT: f32 = 0.86;

@@ -19,13 +19,17 @@ const ROD_M: f64 = 0.0015;
 const UPRIGHTS: usize = 8;
 /// Height of a cage where there is no table, m. Over a table it reaches down to the table.
 const CAGE_M: f64 = 0.4;
-/// Length of a shaft, m per newton, and its least and largest length, m.
+/// Length of the shaft of an arrow, m per newton.
 const METRES_PER_NEWTON: f64 = 0.04;
+/// Least length of a shaft, m.
 const SHORTEST_M: f64 = 0.012;
+/// Largest length of a shaft, m.
 const LONGEST_M: f64 = 0.25;
-/// Radius of the shaft and of the head, and the length of the head, m.
+/// Radius of a shaft, m.
 const SHAFT_M: f64 = 0.0025;
+/// Radius of the head of an arrow, m.
 const TIP_M: f64 = 0.007;
+/// Length of the head, m.
 const HEAD_M: f64 = 0.016;
 /// Weaker contacts have no arrow, N.
 const WEAKEST_N: f64 = 0.02;

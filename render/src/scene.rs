@@ -14,9 +14,11 @@ use crate::{Camera, RenderError, Size};
 const SAMPLES: usize = 2;
 /// Rows that are drawn at once. Choice: they fit into the cache of a core; a multiple of the samples.
 const ROWS: usize = 64;
-/// Distance of the lines on the table and their width, m, and how much darker they are.
+/// Distance of the lines on the table, m.
 const GRID_M: f32 = 0.1;
+/// Width of these lines, m.
 const LINE_M: f32 = 0.003;
+/// How much darker these lines are, as a share.
 const DARKER: f32 = 0.16;
 
 /// What kind of surface it is.

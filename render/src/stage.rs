@@ -20,8 +20,9 @@ use crate::{Camera, RenderError, colour, marks};
 const TABLE: u16 = 1;
 /// From where everything is seen: an arm that reaches along x reaches to the right, and the lamp is to the left. Choice.
 const DIRECTION: DVec3 = DVec3::new(0.2, -1.2, 0.8);
-/// Thickness of the table and its width around what stands on it, m.
+/// Thickness of the table, m.
 const TABLE_M: f64 = 0.03;
+/// Width of the table around everything that is seen, m.
 const MARGIN_M: f64 = 0.15;
 /// The colours of forces end here if nobody knows yet how large they will be, N. Choice: most contacts stay below.
 const LIVE_N: f64 = 5.0;

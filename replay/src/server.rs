@@ -15,8 +15,9 @@ use crate::{ReplayContext, Source};
 /// Packed reaches that are kept. Choice: two that are compared, and their neighbours.
 const KEPT: usize = 4;
 
-/// Paths for the status of a running reach and for commands to it.
+/// Path for the status of a running reach.
 const STATUS: &str = "/api/live";
+/// Beginning of the paths for commands to a running reach.
 const COMMAND: &str = "/api/live/";
 
 /// The packed reaches that were asked for last, the newest first.

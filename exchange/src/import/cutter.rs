@@ -27,8 +27,9 @@ pub(super) struct Cutter<'a> {
     mapping: &'a Mapping,
     /// The trial of the current contact of each taxel, or of all taxels together; `None` without contact.
     open: Vec<Option<Trial>>,
-    /// The forces of this frame, N, and which taxels are in contact.
+    /// The force on each taxel in this frame, N.
     forces_n: Vec<f64>,
+    /// Whether each taxel is in contact in this frame.
     in_contact: Vec<bool>,
     /// Whether each taxel was without contact in the frame before.
     is_interrupted: Vec<bool>,

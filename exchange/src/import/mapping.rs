@@ -182,10 +182,11 @@ pub struct Mapping {
     /// Newtons per unit of force, and newtons at a reading of zero.
     newton: (f64, f64),
     pub(super) grid: Option<Grid>,
-    /// A contact begins when the force of a taxel is above the first, and ends when it is no longer above the second, N.
+    /// A contact begins when the force of a taxel is above this, N.
     pub(super) threshold_n: f64,
+    /// A contact ends when the force is no longer above this, N.
     pub(super) release_n: f64,
-    /// How long an interruption does not end it, s.
+    /// An interruption of at most this length does not end a contact, s.
     pub(super) gap_s: f64,
     /// Trials with fewer samples are left out.
     pub(super) min_samples: usize,

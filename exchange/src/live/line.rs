@@ -53,6 +53,9 @@ impl LineParser {
     }
 
     /// Reads the line with this number. A line with an error changes nothing.
+    ///
+    /// # Errors
+    /// [`LineError`] with the field, if the line is not JSON, or a field is missing or not allowed.
     pub fn parse(&mut self, number: usize, text: &str) -> Result<Message, LineError> {
         let value = json::parse(text)?;
         let line = Spot { path: String::new(), value: &value }.object("one JSON object")?;

@@ -34,7 +34,10 @@ impl<R: BufRead> Lines<R> {
     }
 
     /// The next line that is not blank, with its number from 1 and without its line ending; `None` at the end of the
-    /// stream.
+    /// stream. A line that is too long or not UTF-8 is a [`LineError`] of its own, after which the next line can be read.
+    ///
+    /// # Errors
+    /// If the reader fails.
     pub fn next_line(&mut self) -> io::Result<Option<(usize, Result<&str, LineError>)>> {
         let result = loop {
             self.buffer.clear();

@@ -85,8 +85,8 @@ fn is_large(name: &str) -> bool {
 
 impl Dataset {
     /// Opens a data set. It must be finished and of this version, and its folders must hold the listed files with their
-    /// sizes and no others. Hashes are checked here except for the large tables in `data/` and `truth/`, whose hashes
-    /// are checked when they are first read. [`Dataset::verify`] checks all of them.
+    /// sizes and no others. Hashes are checked here except for the large tables in `data/`, `truth/` and `controller/`,
+    /// whose hashes are checked when they are first read. [`Dataset::verify`] checks all of them.
     ///
     /// # Errors
     /// [`DiskError::Unfinished`] while reaches are missing; [`DiskError::Input`] for a folder that is not a data set,
@@ -159,8 +159,8 @@ impl Dataset {
         self.checksums.names().try_for_each(|name| self.checksums.check(&self.dir, name))
     }
 
-    /// BLAKE3 hash over the paths, sizes and hashes of all files in `data/` and `truth/`, hexadecimal. It is the same
-    /// for sets with the same frames, even if they were made by different versions of the program.
+    /// BLAKE3 hash over the paths, sizes and hashes of all files in `data/`, `truth/` and `controller/`, hexadecimal. It is
+    /// the same for sets with the same frames, even if they were made by different versions of the program.
     pub fn data_blake3(&self) -> String {
         self.checksums.hash_of(is_large)
     }

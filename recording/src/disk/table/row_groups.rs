@@ -13,8 +13,8 @@ use super::read::read_footer;
 use super::{Batch, EPISODE_COLUMN, ParquetTable, Row, Want, broken, plain_pages};
 use crate::Result;
 
-/// Number of footers that are kept. Choice: a set of 64 data files, which is 6 GB, is read without parsing any footer
-/// twice, and the footers take some 50 MB.
+/// Number of footers that are kept. Choice: a set of 50 data files, which is 5 GB, is read without parsing any footer of
+/// its ten tables twice, and the footers take some 50 MB.
 const MOST_FOOTERS: usize = 512;
 
 /// The footers of files that have been read. They are kept, because parsing a footer takes longer the more reaches its

@@ -93,7 +93,7 @@ pub(crate) fn list(folder: &Path) -> Result<Vec<String>> {
     entries.map(name).collect::<std::io::Result<_>>().map_err(DiskError::io(folder, "read"))
 }
 
-/// The same without hidden ones, which may lie beside a data set.
+/// As [`list`], without hidden files and folders, which may lie beside a data set.
 fn shown(folder: &Path) -> Result<Vec<String>> {
     Ok(list(folder)?.into_iter().filter(|name| !names::is_hidden(name)).collect())
 }
