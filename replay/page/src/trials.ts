@@ -78,7 +78,11 @@ export class Trials {
     this.regionTaxels = data.array("sample_region_taxels", "u16");
     this.regionForce = data.array("sample_region_force_n", "f32");
     this.all = this.#read();
-    for (const trial of this.all) this.#byTaxel.set(trial.taxel, [...this.of(trial.taxel), trial]);
+    for (const trial of this.all) {
+      const others = this.#byTaxel.get(trial.taxel);
+      if (others === undefined) this.#byTaxel.set(trial.taxel, [trial]);
+      else others.push(trial);
+    }
     this.all.sort((a, b) => a.first - b.first || a.taxel - b.taxel);
     this.mistakes = mistakesOf(this);
   }
