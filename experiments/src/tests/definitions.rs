@@ -208,12 +208,12 @@ fn numbers_and_patch_are_checked_when_the_file_is_read() {
         ("[general]\nscene = \"one.toml\"\nreaches = 1", 14, "general.scene", "one.toml", "a `stream` of its own"),
         (
             "[[classifiers]]\nname = \"a\\nb\"\nmethod = \"naive-bayes\"",
-            15,
+            14,
             "classifiers.name",
             "\"a\\nb\"",
             "control characters",
         ),
-        ("[[classifiers]]\nname = \"\"\nmethod = \"naive-bayes\"", 15, "classifiers.name", "\"\"", "not empty"),
+        ("[[classifiers]]\nname = \"\"\nmethod = \"naive-bayes\"", 14, "classifiers.name", "\"\"", "not empty"),
         ("[controllers]\nscene = \"one.toml\"\nreaches = 0", 15, "controllers.reaches", "0", "1 to 1000000"),
         ("[verdicts]\nscene = \"one.toml\"\nreaches = 1000001", 15, "verdicts.reaches", "1000001", "1 to 1000000"),
         (
