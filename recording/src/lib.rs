@@ -44,7 +44,7 @@ pub use reach::{Contact, ContactForces, GoalRecord, ObjectRecord, Recording};
 pub use regular_file::{open_regular, read_bytes, read_text};
 #[cfg(feature = "toml")]
 pub use toml_text::{line_giving, line_setting, parse_toml};
-pub use trial::{Channels, Region, Sample, Trial, period_s};
+pub use trial::{Channels, Region, Sample, TRIAL_COLUMNS, Trial, period_s};
 
 /// The different ones among `all`, in the order in which they first occur.
 ///

@@ -7,6 +7,22 @@ use serde::{Deserialize, Serialize};
 use crate::limits::{self, first_outside, short};
 use crate::math::median;
 
+/// The columns of a table of contact trials in the order in which they are written. Channels follow them and have other names.
+pub const TRIAL_COLUMNS: [&str; 12] = [
+    "trial",
+    "category",
+    "reach",
+    "patch",
+    "taxel",
+    "time_s",
+    "force_n",
+    "motion_m",
+    "region_taxels",
+    "region_largest_force_n",
+    "region_force_sum_n",
+    "touched",
+];
+
 /// One sample of a trial.
 ///
 /// ```

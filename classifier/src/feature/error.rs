@@ -1,8 +1,7 @@
 //! Errors in the input of a classifier: in samples, trials and lists of features.
 
 use thiserror::Error;
-use underbrush_recording::Trial;
-use underbrush_recording::disk::TRIAL_COLUMNS;
+use underbrush_recording::{TRIAL_COLUMNS, Trial};
 
 use super::list::{FEATURES, Feature};
 

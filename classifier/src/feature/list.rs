@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-use underbrush_recording::disk::TRIAL_COLUMNS;
 use underbrush_recording::limits::{self, Limits};
-use underbrush_recording::{Sample, is_plain};
+use underbrush_recording::{Sample, TRIAL_COLUMNS, is_plain};
 
 /// One number per sample: its name, its range with the unit, and how it is read.
 pub struct Feature {

@@ -7,10 +7,9 @@ use std::sync::Arc;
 
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
-use underbrush_recording::disk::TRIAL_COLUMNS;
 use underbrush_recording::limits::{NAME_BYTES, first_outside};
 use underbrush_recording::{
-    Category, Grid, InputError, Limits, TEXT_BYTES, is_plain, line_setting, parse_toml, read_text, short,
+    Category, Grid, InputError, Limits, TEXT_BYTES, TRIAL_COLUMNS, is_plain, line_setting, parse_toml, read_text, short,
 };
 
 /// Frames per second: from one reading in a hundred seconds to a fast vibration sensor.

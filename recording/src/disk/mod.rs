@@ -39,5 +39,5 @@ pub use table::batch::Batch;
 pub use table::column::{Column, Rows, Text, Values};
 pub use tables::dictionary::is_of_joints_or_taxels;
 pub use tables::episode::Episode;
-pub use trials::{COLUMNS as TRIAL_COLUMNS, channel_names, read_trials, trial_table, whole_number, write_trials};
+pub use trials::{channel_names, read_trials, trial_table, whole_number, write_trials};
 pub use unfinished::{UnfinishedFolder, abandon_unfinished_files};

@@ -22,6 +22,7 @@ use super::files::remove_leftovers;
 use super::table::{Column, EPISODE_COLUMN, Field, Row, Text};
 use super::{DiskError, Result};
 use crate::disk::tables::dictionary::table;
+use crate::trial::TRIAL_COLUMNS as COLUMNS;
 use crate::{Category, InputError, PLAIN, Trial, distinct, is_plain};
 
 table! {
@@ -73,16 +74,6 @@ fn columns_of(trials: &[Trial], channels: &[Arc<str>]) -> Vec<Column> {
     columns
 }
 
-/// The names of the columns in the order in which they are written; channels follow them.
-pub const COLUMNS: [&str; TrialRow::COLUMNS.len()] = {
-    let mut names = [""; TrialRow::COLUMNS.len()];
-    let mut place = 0;
-    while place < names.len() {
-        names[place] = TrialRow::COLUMNS[place].name;
-        place += 1;
-    }
-    names
-};
 /// The required columns.
 const REQUIRED: [&str; 3] = ["trial", "time_s", "force_n"];
 
