@@ -215,7 +215,11 @@ impl Reaches {
 
     /// What the data sets and recordings are.
     pub fn data(&self) -> Result<Vec<DataSource>, Failure> {
-        self.sources.iter().map(|(path, _)| Ok(model_data::of_path(path)?)).collect()
+        let source = |(path, dataset): &(PathBuf, Option<Dataset>)| match dataset {
+            Some(dataset) => Ok(model_data::of_reaches(dataset, dataset.episodes().iter())),
+            None => Ok(model_data::of_path(path)?),
+        };
+        self.sources.iter().map(source).collect()
     }
 
     /// Reads one reach after the other.

@@ -178,9 +178,10 @@ impl Decision {
             return Err(DecisionError::BadThreshold { found: [low, high] });
         }
         let total: f64 = self.prior.values().sum();
-        let mut log_prior: Vec<f64> = self.prior.values().map(|prior| math::ln(prior / total)).collect();
-        // Without priors, all are equal.
-        log_prior.resize(categories.len(), 0.0);
+        let log_prior = match self.prior.is_empty() {
+            true => vec![0.0; categories.len()],
+            false => self.prior.values().map(|prior| math::ln(prior / total)).collect(),
+        };
         let categories = categories.iter().map(|name| name.as_str().into()).collect();
         Ok(Judge { categories, log_prior, rule: self.rule })
     }

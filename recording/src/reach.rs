@@ -184,7 +184,9 @@ impl Recording {
     /// The number of goals with each outcome.
     pub fn goal_outcomes(&self) -> GoalOutcomes {
         let mut counts = GoalOutcomes::default();
-        self.goals.iter().for_each(|goal| counts.count(goal.outcome));
+        for goal in &self.goals {
+            counts.count(goal.outcome);
+        }
         counts
     }
 

@@ -142,7 +142,9 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     } else {
         let provenance = model.as_ref().map(|own| &own.provenance);
         options.check(provenance, &tested.data, &[])?;
-        provenance.into_iter().for_each(|own| tested.warn_of_unit(path, own));
+        if let Some(provenance) = provenance {
+            tested.warn_of_unit(path, provenance);
+        }
     }
     let evaluation = match &model {
         Some(model) => evaluate(model.classifier.as_ref(), trials, &decision),

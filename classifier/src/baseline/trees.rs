@@ -113,8 +113,9 @@ impl Baseline for Trees {
 
     fn scores(&self, parameters: &Parameters, contact: &StreamFeatures, scores: &mut [f64]) {
         let features = single(&Selection::of(self.features).values(contact));
-        let trees = scores.iter_mut().zip(&parameters.trees);
-        trees.for_each(|(score, trees)| *score = 1.0 / (1.0 + math::exp(-trees.score(&features))));
+        for (score, trees) in scores.iter_mut().zip(&parameters.trees) {
+            *score = 1.0 / (1.0 + math::exp(-trees.score(&features)));
+        }
         let total: f64 = scores.iter().sum();
         scores.iter_mut().for_each(|score| *score = math::ln(*score / total));
     }

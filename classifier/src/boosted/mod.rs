@@ -196,7 +196,9 @@ impl Boosting<'_> {
         }
         let best_of = |(feature, column): (usize, &Column)| {
             let mut bins = [Slopes::ZERO; CUTS + 1];
-            rows.iter().for_each(|row| bins[usize::from(column.bins[*row as usize])] += self.slopes[*row as usize]);
+            for row in rows {
+                bins[usize::from(column.bins[*row as usize])] += self.slopes[*row as usize];
+            }
             let mut left = Slopes::ZERO;
             let mut best = (gain(all), feature, None);
             for (cut, bin) in bins.iter().take(column.cuts.len()).enumerate() {

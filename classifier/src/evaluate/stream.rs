@@ -119,8 +119,9 @@ impl Stream {
     pub fn tally_of(&self, truth: Category) -> Tally {
         let mut tally = Tally::default();
         let Some(row) = self.truths.iter().position(|other| *other == truth) else { return tally };
-        let counts = self.taxel_frames[row].iter().enumerate();
-        counts.for_each(|(verdict, count)| tally.count(Some(truth), verdict, self.categories(), *count));
+        for (verdict, count) in self.taxel_frames[row].iter().enumerate() {
+            tally.count(Some(truth), verdict, self.categories(), *count);
+        }
         tally
     }
 

@@ -125,10 +125,11 @@ impl TouchEvaluation {
         model: &Arc<TouchModel>,
         recordings: impl IntoIterator<Item = &'a Recording>,
     ) -> Result<Self, TrialError> {
-        recordings.into_iter().try_fold(TouchEvaluation::default(), |mut all, recording| {
+        let mut all = TouchEvaluation::default();
+        for recording in recordings {
             all.add(TouchEvaluation::of(model, recording)?);
-            Ok(all)
-        })
+        }
+        Ok(all)
     }
 
     fn judge(

@@ -49,8 +49,9 @@ impl OpenContact {
             Touch::Unknown | Touch::Uncertain => *self.votes.last_mut().unwrap_or(&mut 0) += 1,
             Touch::Nothing => {}
         }
-        let evidence = self.evidence.iter_mut().zip(probabilities);
-        evidence.for_each(|(sum, probability)| *sum += (1.0 - taxel.nothing) * math::ln(probability.max(1e-6)));
+        for (sum, probability) in self.evidence.iter_mut().zip(probabilities) {
+            *sum += (1.0 - taxel.nothing) * math::ln(probability.max(1e-6));
+        }
         self.likeliest = largest(self.evidence.iter().copied().enumerate()).map_or(0, |(index, _)| index);
         if self.samples <= TENTH_SECOND_SAMPLES {
             self.after_tenth_second = self.likeliest;

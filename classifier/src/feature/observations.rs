@@ -100,8 +100,9 @@ impl Scaling {
 
     /// Scales one sample in place.
     pub fn apply(&self, sample: &mut [f64]) {
-        let moments = self.mean.iter().zip(&self.standard_deviation);
-        sample.iter_mut().zip(moments).for_each(|(value, (mean, deviation))| *value = (*value - mean) / deviation);
+        for ((value, mean), standard_deviation) in sample.iter_mut().zip(&self.mean).zip(&self.standard_deviation) {
+            *value = (*value - mean) / standard_deviation;
+        }
     }
 
     /// Scales all samples of a sequence in place.

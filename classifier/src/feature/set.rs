@@ -66,7 +66,10 @@ impl FeatureSet {
             }
             *features.get_mut(index).ok_or(FeatureError::TooMany { allowed: MOST })? = Some(feature);
         }
-        if features[0].is_some() { Ok(FeatureSet { features }) } else { Err(FeatureError::NoFeatures) }
+        match features[0] {
+            None => Err(FeatureError::NoFeatures),
+            Some(_) => Ok(FeatureSet { features }),
+        }
     }
 
     /// The built-in features that every sample of these trials has; `None` if there are none.
@@ -168,8 +171,10 @@ impl FeatureSet {
         }
         let dimension = self.dimension();
         let mut values = vec![0.0; count * dimension];
-        let mut rows = trial.samples.iter().zip(values.chunks_exact_mut(dimension)).enumerate();
-        rows.try_for_each(|(index, (sample, row))| self.read(sample, row).map_err(|fault| fault.at(trial, index)))?;
+        let rows = values.chunks_exact_mut(dimension);
+        for (index, (sample, row)) in trial.samples.iter().zip(rows).enumerate() {
+            self.read(sample, row).map_err(|fault| fault.at(trial, index))?;
+        }
         Observations::new(dimension, values)
     }
 }

@@ -216,7 +216,9 @@ impl FilterBank {
     /// Puts in the next sample of a stream, of D finite numbers.
     pub(crate) fn put(&mut self, stream: usize, sample: &[f64]) {
         let group = &mut self.groups[stream / STREAMS];
-        group.sample.iter_mut().zip(sample).for_each(|(tile, value)| tile[stream % STREAMS] = *value);
+        for (tile, value) in group.sample.iter_mut().zip(sample) {
+            tile[stream % STREAMS] = *value;
+        }
         group.waiting[stream % STREAMS] = true;
         if std::mem::take(&mut group.spoiled[stream % STREAMS]) {
             group.fresh[stream % STREAMS] = 1.0;

@@ -91,8 +91,9 @@ impl GaussianHmm {
             check_finite(&format!("mean[{i}]"), row)?;
         }
         check_length("covariance", "matrices", parameters.covariance.len(), states)?;
-        let mut matrices = parameters.covariance.iter().enumerate();
-        matrices.try_for_each(|(i, matrix)| check_covariance(&format!("covariance[{i}]"), matrix, dimension))?;
+        for (i, matrix) in parameters.covariance.iter().enumerate() {
+            check_covariance(&format!("covariance[{i}]"), matrix, dimension)?;
+        }
         let mean = parameters.mean.concat();
         let covariance: Vec<f64> = parameters.covariance.iter().flatten().flatten().copied().collect();
         let gaussians = Gaussians::new(dimension, &mean, &covariance).map_err(|state| {
@@ -127,8 +128,10 @@ fn check_length(field: &str, what: &str, found: usize, expected: usize) -> Resul
 }
 
 fn check_finite(field: &str, numbers: &[f64]) -> Result<(), ParameterError> {
-    let bad = numbers.iter().find(|number| !number.is_finite());
-    bad.map_or(Ok(()), |bad| Err(error(field, bad.to_string(), "finite numbers", "train the model again")))
+    match numbers.iter().find(|number| !number.is_finite()) {
+        None => Ok(()),
+        Some(number) => Err(error(field, number.to_string(), "finite numbers", "train the model again")),
+    }
 }
 
 fn check_probabilities(field: &str, row: &[f64]) -> Result<(), ParameterError> {

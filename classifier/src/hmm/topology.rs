@@ -98,12 +98,17 @@ fn left_to_right_row(state: usize, states: usize) -> Vec<f64> {
 }
 
 fn self_loop(state: usize, states: usize) -> f64 {
-    match state + 1 {
-        number if number == states => 1.0,
-        number if 5 * number <= 3 * states => 0.1,
-        number if 20 * number <= 17 * states => 0.2,
-        number if number + 1 == states => 0.4,
-        _ => 0.3,
+    let number = state + 1;
+    if number == states {
+        1.0
+    } else if 5 * number <= 3 * states {
+        0.1
+    } else if 20 * number <= 17 * states {
+        0.2
+    } else if number + 1 == states {
+        0.4
+    } else {
+        0.3
     }
 }
 

@@ -139,8 +139,9 @@ impl HmmClassifier {
         let mut sequence = self.features.observations(trial, self.max_samples())?;
         if let Some(scaling) = &self.scaling {
             scaling.apply_all(&mut sequence);
-            let check = |(index, sample)| self.features.check_scaled(sample).map_err(|fault| fault.at(trial, index));
-            sequence.samples().enumerate().try_for_each(check)?;
+            for (index, sample) in sequence.samples().enumerate() {
+                self.features.check_scaled(sample).map_err(|fault| fault.at(trial, index))?;
+            }
         }
         Ok(sequence)
     }

@@ -36,7 +36,9 @@ impl<const INPUTS: usize> FeatureRows<INPUTS> {
             self.fours.push([[0.0; FOUR]; INPUTS]);
         }
         if let Some(four) = self.fours.last_mut() {
-            four.iter_mut().zip(features).for_each(|(lanes, feature)| lanes[lane] = *feature);
+            for (lanes, feature) in four.iter_mut().zip(features) {
+                lanes[lane] = *feature;
+            }
         }
         self.count += 1;
     }

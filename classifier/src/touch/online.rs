@@ -173,8 +173,11 @@ impl TouchClassifier {
             tracker.update(frame)?;
             for region in tracker.regions() {
                 self.region_features.push(&region.course.values());
-                let of_taxels = tracker.taxels(region).iter().filter_map(|taxel| tracker.taxel_values(*taxel, region));
-                of_taxels.for_each(|values| self.taxel_features.push(&values));
+                for &taxel in tracker.taxels(region) {
+                    if let Some(values) = tracker.taxel_values(taxel, region) {
+                        self.taxel_features.push(&values);
+                    }
+                }
             }
         }
         self.tracker.update(&self.patches, frame.time_s);

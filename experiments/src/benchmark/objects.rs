@@ -118,9 +118,11 @@ impl ObjectLog {
                 Standing::Latest => own.latest,
                 Standing::MostOfTheTime => own.over_time.most(),
             };
-            let age = index - own.first_frame;
-            let moments = own.verdicts.iter_mut().zip(MOMENTS.into_iter().chain([usize::MAX]));
-            moments.filter(|(_, last)| age <= *last).for_each(|(place, _)| *place = verdict);
+            for (place, last) in own.verdicts.iter_mut().zip(MOMENTS.into_iter().chain([usize::MAX])) {
+                if index - own.first_frame <= last {
+                    *place = verdict;
+                }
+            }
         }
     }
 

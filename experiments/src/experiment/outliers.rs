@@ -110,8 +110,9 @@ fn detection(rule: &str, reaches: &[Classified]) -> Vec<Detection> {
         for reach in reaches {
             let row = reach.stream.truths.iter().position(|truth| *truth == category);
             let counted = row.and_then(|row| reach.stream.taxel_frames.get(row)).into_iter().flatten();
-            let counted = reach.stream.verdicts.iter().zip(counted);
-            counted.for_each(|(verdict, count)| *counts.entry(verdict).or_default() += count);
+            for (verdict, count) in reach.stream.verdicts.iter().zip(counted) {
+                *counts.entry(verdict).or_default() += count;
+            }
         }
         let taxel_frames: usize = counts.values().sum();
         let percent = |count: usize| 100.0 * count as f64 / taxel_frames as f64;

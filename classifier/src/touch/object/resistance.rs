@@ -191,11 +191,14 @@ impl Place {
     }
 
     pub(super) fn mobility(&self) -> Mobility {
-        match self.farthest_m {
-            farthest_m if farthest_m <= HOLDS_M => Mobility::Holds,
-            _ if self.force_n > self.largest_n / 3.0 => Mobility::GivesWay,
-            farthest_m if self.moved_m() <= 0.5 * farthest_m => Mobility::ComesBack,
-            _ => Mobility::Stays,
+        if self.farthest_m <= HOLDS_M {
+            Mobility::Holds
+        } else if self.force_n > self.largest_n / 3.0 {
+            Mobility::GivesWay
+        } else if self.moved_m() <= 0.5 * self.farthest_m {
+            Mobility::ComesBack
+        } else {
+            Mobility::Stays
         }
     }
 }

@@ -104,8 +104,9 @@ impl Response {
             self.path_m += press_m;
         }
         self.in_a_row = if self.frames > 0 && time_s - self.time_s <= FOLLOWS_S { self.in_a_row + 1 } else { 1 };
-        let early = EARLY_FRAMES.iter().position(|frame| *frame == self.frames);
-        if let Some(early) = early.filter(|_| self.in_a_row > self.frames) {
+        if self.in_a_row > self.frames
+            && let Some(early) = EARLY_FRAMES.iter().position(|frame| *frame == self.frames)
+        {
             let rise_n_per_m = (force_n - self.first_force_n) / (self.path_m.abs() + LEAST_PRESS_M);
             self.early[early] = Some([force_n, self.path_m, rise_n_per_m]);
         }

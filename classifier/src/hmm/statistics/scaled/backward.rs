@@ -136,9 +136,11 @@ impl Pass {
             }
         }
         for (tile, span) in self.backward.spans.iter().enumerate() {
-            let rows = span.rows.clone().zip(&self.transitions[span.places.clone()]);
-            for (to, counts) in rows.filter(|(to, _)| *to < n) {
-                (tile * WIDTH..n).zip(counts).for_each(|(from, count)| statistics.transition[from * n + to] += count);
+            for (to, counts) in span.rows.clone().zip(&self.transitions[span.places.clone()]).filter(|(to, _)| *to < n)
+            {
+                for (from, count) in (tile * WIDTH..n).zip(counts) {
+                    statistics.transition[from * n + to] += count;
+                }
             }
         }
     }
