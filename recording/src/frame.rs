@@ -28,21 +28,25 @@ pub struct Pose {
     pub orientation: DQuat,
 }
 
+// The simulation spends a noticeable part of its time here, in another crate, so these are inlined there.
 impl Pose {
     /// The pose of a frame in itself.
     pub const IDENTITY: Pose = Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY };
 
     /// A pose with this origin and rotation.
+    #[inline]
     pub fn new(position: DVec3, orientation: DQuat) -> Self {
         Pose { position, orientation }
     }
 
     /// A pose that is not rotated.
+    #[inline]
     pub fn from_position(position: DVec3) -> Self {
         Pose::new(position, DQuat::IDENTITY)
     }
 
     /// A rotation about the origin.
+    #[inline]
     pub fn from_orientation(orientation: DQuat) -> Self {
         Pose::new(DVec3::ZERO, orientation)
     }
@@ -59,27 +63,32 @@ impl Pose {
     }
 
     /// The pose of the outer frame in the local one.
+    #[inline]
     pub fn inverse(&self) -> Self {
         let orientation = self.orientation.inverse();
         Pose::new(orientation * (-self.position), orientation)
     }
 
     /// Maps a point from the local frame to the outer one, m.
+    #[inline]
     pub fn transform_point(&self, point_local: DVec3) -> DVec3 {
         self.orientation * point_local + self.position
     }
 
     /// Maps a vector from the local frame to the outer one.
+    #[inline]
     pub fn transform_vector(&self, vector_local: DVec3) -> DVec3 {
         self.orientation * vector_local
     }
 
     /// Maps a point from the outer frame to the local one, m.
+    #[inline]
     pub fn inverse_transform_point(&self, point: DVec3) -> DVec3 {
         self.orientation.inverse() * (point - self.position)
     }
 
     /// Maps a vector from the outer frame to the local one.
+    #[inline]
     pub fn inverse_transform_vector(&self, vector: DVec3) -> DVec3 {
         self.orientation.inverse() * vector
     }
@@ -111,6 +120,7 @@ pub fn unit_quaternion(numbers: [f64; 4]) -> Option<DQuat> {
 impl Mul for Pose {
     type Output = Pose;
 
+    #[inline]
     fn mul(self, inner: Pose) -> Pose {
         Pose::new(self.position + self.orientation * inner.position, self.orientation * inner.orientation)
     }

@@ -10,7 +10,7 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use underbrush_recording::{Limits, short};
 
-use crate::seed::standard_normals;
+use crate::seed::{Normal, standard_normals};
 
 mod schema;
 
@@ -158,7 +158,11 @@ impl Draw {
                 Some(uniform.sample(random)).filter(physical).ok_or(error)
             }
             Draw::Normal(mean, deviation) => {
-                let mut normal = || mean + deviation * standard_normals(random)[0].value();
+                let mut normal = || {
+                    let mut pair = [[Normal::default(); 2]];
+                    standard_normals(random, &mut pair);
+                    mean + deviation * pair[0][0].value()
+                };
                 (0..DRAWS).map(|_| normal()).find(physical).ok_or(error)
             }
         }

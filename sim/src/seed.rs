@@ -31,7 +31,7 @@ pub fn stream(seed: u64, scene: &str, reach_index: u64, purpose: &str) -> ChaCha
 }
 
 /// A draw from the standard normal distribution, x √(−2 ln s / s). Its logarithm is computed only where the value is needed.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Normal {
     x: f64,
     square: f64,
@@ -42,27 +42,51 @@ impl Normal {
     pub fn value(self) -> f64 {
         self.x * (-2.0 * math::ln(self.square) / self.square).sqrt()
     }
+}
 
-    /// Whether the size of the draw times `scale` is certainly less than `limit`, because −ln s < (1 − s) / √s.
-    pub fn is_within(self, limit: f64, scale: f64) -> bool {
-        let (size, square) = (scale * self.x, self.square);
+/// A limit to the size of draws that is compared without their logarithms.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Bound {
+    /// A draw is no larger than √(−2 ln s), because |x| ≤ √s.
+    least_square: f64,
+}
+
+impl Bound {
+    /// The bound with this limit, in standard deviations. No draw is below a limit of 0.
+    pub fn new(limit: f64) -> Self {
         // Rounding errors are far smaller than this.
-        let limit = limit * (1.0 - 1e-9);
-        limit > 0.0 && 2.0 * size * size * (1.0 - square) < limit * limit * square * square.sqrt()
+        Bound { least_square: math::exp(-0.5 * limit * limit.max(0.0)) * (1.0 + 1e-9) }
+    }
+
+    /// Whether a draw is certainly smaller than the limit. Hardly any that is far smaller is not known to be so.
+    pub fn holds(self, draw: Normal) -> bool {
+        draw.square > self.least_square
     }
 }
 
-/// Two independent draws from the standard normal distribution (Marsaglia's polar method). `rand_distr` takes its
-/// logarithm from the machine, and the last digits of a draw would depend on it.
-pub fn standard_normals(random: &mut ChaCha8Rng) -> [Normal; 2] {
-    loop {
-        let [x, y] = [0, 1].map(|_| 2.0 * random.random::<f64>() - 1.0);
-        let square = x * x + y * y;
-        if 0.0 < square && square < 1.0 {
-            return [x, y].map(|x| Normal { x, square });
+/// Fills the places with independent draws from the standard normal distribution, two by two (Marsaglia's polar method).
+/// `rand_distr` takes its logarithm from the machine, and the last digits of a draw would depend on it.
+pub fn standard_normals(random: &mut ChaCha8Rng, pairs: &mut [[Normal; 2]]) {
+    // Each pair that is still missing takes at least two numbers, and those of several pairs are faster to draw at once.
+    let mut numbers = [0_u64; 2 * PAIRS_AT_ONCE];
+    let mut drawn = 0;
+    while drawn < pairs.len() {
+        let missing = (pairs.len() - drawn).min(PAIRS_AT_ONCE);
+        let numbers = &mut numbers[..2 * missing];
+        random.fill(numbers);
+        for [x, y] in numbers.as_chunks().0 {
+            // As `rand` makes a number between 0 and 1.
+            let [x, y] = [x, y].map(|number| 2.0 * ((number >> 11) as f64 * 2_f64.powi(-53)) - 1.0);
+            let square = x * x + y * y;
+            // A pair outside the circle is overwritten by the next one.
+            pairs[drawn] = [x, y].map(|x| Normal { x, square });
+            drawn += usize::from(0.0 < square && square < 1.0);
         }
     }
 }
+
+/// Pairs that [`standard_normals`] draws at once.
+const PAIRS_AT_ONCE: usize = 32;
 
 #[cfg(test)]
 mod tests {
@@ -75,8 +99,9 @@ mod tests {
     fn normal_draws_are_normal() {
         let mut random = stream(1, "test", 0, "normal");
         let count = 200_000.0;
-        let pairs = (0..100_000).flat_map(|_| standard_normals(&mut random));
-        let draws: Vec<f64> = pairs.map(Normal::value).collect();
+        let mut pairs = vec![[Normal::default(); 2]; 100_000];
+        standard_normals(&mut random, &mut pairs);
+        let draws: Vec<f64> = pairs.as_flattened().iter().map(|draw| draw.value()).collect();
         let product: f64 = draws.chunks_exact(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / 100_000.0;
         assert!(product.abs() < 5.0 / f64::sqrt(100_000.0), "the draws of a pair are correlated: {product}");
         let mean = |of: &dyn Fn(f64) -> f64| draws.iter().map(|draw| of(*draw)).sum::<f64>() / count;
@@ -95,13 +120,16 @@ mod tests {
     #[test]
     fn draws_are_within_their_limits() {
         let mut random = stream(1, "test", 0, "limits");
-        let draws: Vec<Normal> = (0..100_000).flat_map(|_| standard_normals(&mut random)).collect();
+        let mut pairs = vec![[Normal::default(); 2]; 100_000];
+        standard_normals(&mut random, &mut pairs);
+        let draws = pairs.as_flattened();
         for limit in [-1.0, 0.0, 0.01, 0.5, 2.0, 6.0] {
-            let within = || draws.iter().filter(|draw| draw.is_within(2.0 * limit, 2.0));
+            let bound = Bound::new(limit);
+            let within = || draws.iter().filter(|draw| bound.holds(**draw));
             assert!(within().all(|draw| draw.value().abs() < limit), "{limit}");
         }
         let small = || draws.iter().filter(|draw| draw.value().abs() < 3.0);
-        let known = small().filter(|draw| draw.is_within(6.0, 1.0)).count();
+        let known = small().filter(|draw| Bound::new(6.0).holds(**draw)).count();
         assert!(10 * known > 9 * small().count(), "{known}");
     }
 

@@ -1,7 +1,7 @@
 //! Capacitive skin: capacitors under a continuous cover (crosstalk, creep), read by the authors' driver. Some taxels read a
 //! small force although nothing touches them, because the cover has shifted a little since the skin was zeroed.
 
-use rand::RngExt;
+use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Patch, math};
@@ -26,7 +26,6 @@ pub struct Capacitive {
     crept_n: Vec<[f64; CREEP_TIMES_S.len()]>,
     spurious: SpuriousReadings,
     noise: Noise,
-    gate_n: f64,
     floor_n: f64,
     saturation_n: f64,
     steps_per_n: f64,
@@ -42,8 +41,7 @@ impl Capacitive {
             creep_advance: CREEP_TIMES_S.map(|time_s| -math::exp_m1(-FRAME_PERIOD_S / time_s)),
             crept_n: vec![[0.0; CREEP_TIMES_S.len()]; patch.taxels.len()],
             spurious: SpuriousReadings::new(options, patch.taxels.len()),
-            noise: Noise::new(options.noise_n),
-            gate_n: options.gate_sigmas * options.noise_n,
+            noise: Noise::new(options.noise_n, options.gate_sigmas * options.noise_n),
             floor_n: options.floor_n,
             saturation_n: options.saturation_n,
             steps_per_n: steps_per_n(options.quantum_n),
@@ -74,9 +72,12 @@ impl Capacitive {
             } else {
                 0.0
             };
-            let clean = felt + self.creep_share * crept_n + offset;
-            let analog = self.noise.over_gate(clean, self.gate_n, random).filter(|analog| *analog >= self.floor_n);
-            *reading = analog.map_or(0.0, |analog| quantized(analog, self.steps_per_n).clamp(0.0, self.saturation_n));
+            *reading = felt + self.creep_share * crept_n + offset;
+        }
+        self.noise.add(reading_n, random);
+        for reading in reading_n.iter_mut().filter(|reading| **reading != 0.0) {
+            let is_read = *reading >= self.floor_n;
+            *reading = if is_read { quantized(*reading, self.steps_per_n).clamp(0.0, self.saturation_n) } else { 0.0 };
         }
     }
 }
@@ -127,12 +128,14 @@ impl SpuriousReadings {
     fn advance(&mut self, random: &mut ChaCha8Rng) -> &[f64] {
         if self.begin > 0.0 {
             let [min, max] = self.force_n;
+            // As `random_bool` compares them, which would find these bounds for each taxel anew.
+            let [begin, end] = [self.begin, self.end].map(|probability| (probability * 2_f64.powi(64)) as u64);
             for offset in &mut self.offset_n {
                 if *offset > 0.0 {
-                    if random.random_bool(self.end) {
+                    if random.next_u64() < end {
                         *offset = 0.0;
                     }
-                } else if random.random_bool(self.begin) {
+                } else if random.next_u64() < begin {
                     *offset = min + (max - min) * random.random::<f64>();
                 }
             }

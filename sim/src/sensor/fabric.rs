@@ -84,7 +84,7 @@ impl Fabric {
             full_scale_n: options.full_scale_n,
             opening_gain: 1.0 / (1.0 - options.hysteresis_share),
             memory_n: vec![0.0; taxels.len()],
-            noise: Noise::new(options.noise_n),
+            noise: Noise::new(options.noise_n, options.gate_sigmas * options.noise_n),
             gate_n: options.gate_sigmas * options.noise_n,
             steps_per_n: if is_divided && options.counts_per_n > 0.0 { STEPS } else { options.counts_per_n },
             dividers: taxels.iter().filter(|_| is_divided).map(|taxel| Divider::new(taxel.area_m2)).collect(),
@@ -110,22 +110,30 @@ impl Fabric {
 
     /// Turns the true forces on all taxels into one set of readings, N.
     pub fn read(&mut self, true_force_n: &[f64], reading_n: &mut [f64], random: &mut ChaCha8Rng) {
-        let mut dividers = self.dividers.iter();
-        for ((force, memory), reading) in true_force_n.iter().zip(&mut self.memory_n).zip(reading_n) {
+        for (force, memory) in true_force_n.iter().zip(&mut self.memory_n) {
             // A play operator on the logarithm of the force: the memory follows a rising force at once, and a falling
             // force only once it is lower by the hysteresis share. Without force nothing remains.
             *memory = memory.min(force * self.opening_gain).max(*force).max(0.0);
-            if let Some(divider) = dividers.next() {
-                let analog = divider.signal(*memory) + self.noise.draw(random) * divider.slope();
+        }
+        if self.feels_parts() {
+            let noise_n = self.noise.draw(reading_n.len(), random);
+            for (((divider, memory), noise_n), reading) in
+                self.dividers.iter().zip(&self.memory_n).zip(noise_n).zip(reading_n)
+            {
+                let analog = divider.signal(*memory) + noise_n * divider.slope();
                 let force_n = divider.force_n(quantized(analog, self.steps_per_n));
                 *reading = if force_n < self.gate_n { 0.0 } else { force_n };
-                continue;
             }
+            return;
+        }
+        for (reading, memory) in reading_n.iter_mut().zip(&self.memory_n) {
             // The fabric's conductance is proportional to the force, which in a voltage divider gives F S / (F + S).
             // The driver calibrates only the slope at small forces.
-            let divided = *memory / (1.0 + *memory / self.full_scale_n);
-            let analog = self.noise.over_gate(divided, self.gate_n, random);
-            *reading = analog.map_or(0.0, |analog| quantized(analog, self.steps_per_n).clamp(0.0, self.full_scale_n));
+            *reading = *memory / (1.0 + *memory / self.full_scale_n);
+        }
+        self.noise.add(reading_n, random);
+        for reading in reading_n.iter_mut().filter(|reading| **reading != 0.0) {
+            *reading = quantized(*reading, self.steps_per_n).clamp(0.0, self.full_scale_n);
         }
     }
 }

@@ -144,10 +144,15 @@ impl Sensor {
         self.true_force_n.fill(0.0);
     }
 
+    /// The readings of the taxels of a patch after the last sample, N.
+    pub fn readings_n(&self, patch: usize) -> &[f64] {
+        // The slot after the newest holds the oldest.
+        &self.readings_n[(self.newest + 1) % self.readings_n.len()][self.patches[patch].1.clone()]
+    }
+
     /// A taxel's reading after the last sample, N.
     pub fn reading_n(&self, patch: usize, taxel: usize) -> f64 {
-        // The slot after the newest holds the oldest.
-        self.readings_n[(self.newest + 1) % self.readings_n.len()][self.patches[patch].1.start + taxel]
+        self.readings_n(patch)[taxel]
     }
 }
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, math};
 
 use super::options::SensorOptions;
-use crate::seed::{Normal, standard_normals};
+use crate::seed::{Bound, Normal, standard_normals};
 
 /// The transducers of all taxels. Without an effect they hold nothing and draw nothing.
 #[derive(Clone, Serialize, Deserialize)]
@@ -29,9 +29,8 @@ impl Transducers {
     /// The transducers of a reach, unloaded. Gains and the first drift are drawn from `random`, which draws the drift.
     pub fn new(options: &SensorOptions, taxels: usize, mut random: ChaCha8Rng) -> Self {
         let draw_all = |deviation: f64, random: &mut ChaCha8Rng| {
-            let mut noise = Noise::new(deviation);
             let count = if deviation > 0.0 { taxels } else { 0 };
-            (0..count).map(|_| noise.draw(random)).collect::<Vec<f64>>()
+            Noise::new(deviation, 0.0).draw(count, random).collect::<Vec<f64>>()
         };
         let gains = draw_all(options.gain_spread_share, &mut random).into_iter().map(math::exp).collect();
         let drift_n = draw_all(options.drift_n, &mut random);
@@ -43,7 +42,7 @@ impl Transducers {
             gains,
             keep,
             // The standard deviation then stays the same.
-            innovation: Noise::new(options.drift_n * (1.0 - keep * keep).sqrt()),
+            innovation: Noise::new(options.drift_n * (1.0 - keep * keep).sqrt(), 0.0),
             drift_n,
             random,
         }
@@ -58,50 +57,75 @@ impl Transducers {
         for (force, gain) in force_n.iter_mut().zip(&self.gains) {
             *force *= gain;
         }
-        for (force, drift) in force_n.iter_mut().zip(&mut self.drift_n) {
-            *drift = *drift * self.keep + self.innovation.draw(&mut self.random);
+        let innovations = self.innovation.draw(self.drift_n.len(), &mut self.random);
+        for ((force, drift), innovation) in force_n.iter_mut().zip(&mut self.drift_n).zip(innovations) {
+            *drift = *drift * self.keep + innovation;
             *force += *drift;
         }
     }
 }
 
-/// White Gaussian noise of one standard deviation for all taxels.
+/// White Gaussian noise of one standard deviation for all taxels, and the gate behind it.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Noise {
     standard_deviation_n: f64,
+    gate_n: f64,
+    /// Noise that lifts no reading from the lower half of the gate over it.
+    low: Bound,
     /// The second of two draws, for the next reading.
     spare: Option<Normal>,
+    /// Buffer of the draws of a frame.
+    #[serde(skip)]
+    drawn: Vec<[Normal; 2]>,
 }
 
 impl Noise {
-    /// Noise with this standard deviation, N; 0 switches it off.
-    pub fn new(standard_deviation_n: f64) -> Self {
-        Noise { standard_deviation_n, spare: None }
+    /// Noise with this standard deviation and gate, N; 0 switches them off.
+    pub fn new(standard_deviation_n: f64, gate_n: f64) -> Self {
+        let low = Bound::new(0.5 * gate_n / standard_deviation_n);
+        Noise { standard_deviation_n, gate_n, low, spare: None, drawn: Vec::new() }
     }
 
-    /// Draws the noise of one reading, N.
-    pub fn draw(&mut self, random: &mut ChaCha8Rng) -> f64 {
-        self.next(random).value() * self.standard_deviation_n
+    /// Draws the noise of this many readings, N.
+    pub fn draw(&mut self, count: usize, random: &mut ChaCha8Rng) -> impl Iterator<Item = f64> {
+        let deviation_n = self.standard_deviation_n;
+        self.normals(count, random).iter().map(move |normal| normal.value() * deviation_n)
     }
 
-    /// Draws the noise of a reading of `clean_n` (N), and adds it; `None` if the sum is smaller than `gate_n`, N.
-    pub fn over_gate(&mut self, clean_n: f64, gate_n: f64, random: &mut ChaCha8Rng) -> Option<f64> {
-        let normal = self.next(random);
-        if normal.is_within(gate_n - clean_n.abs(), self.standard_deviation_n) {
-            return None;
+    /// Adds noise to the readings, N. Those whose size is then below the gate become 0.
+    pub fn add(&mut self, reading_n: &mut [f64], random: &mut ChaCha8Rng) {
+        let Noise { standard_deviation_n, gate_n, low, .. } = *self;
+        let normals = self.normals(reading_n.len(), random);
+        for (reading, normal) in reading_n.iter_mut().zip(normals) {
+            if low.holds(*normal) && reading.abs() <= 0.5 * gate_n {
+                *reading = 0.0;
+                continue;
+            }
+            *reading += normal.value() * standard_deviation_n;
+            if reading.abs() < gate_n {
+                *reading = 0.0;
+            }
         }
-        let reading_n = clean_n + normal.value() * self.standard_deviation_n;
-        (reading_n.abs() >= gate_n).then_some(reading_n)
     }
 
-    /// A number is drawn even if the noise is off, so that the noise of one technology does not depend on whether the other
-    /// has any.
-    fn next(&mut self, random: &mut ChaCha8Rng) -> Normal {
-        self.spare.take().unwrap_or_else(|| {
-            let [first, second] = standard_normals(random);
-            self.spare = Some(second);
-            first
-        })
+    /// The next draws. Numbers are drawn even if the noise is off, so that the noise of one technology does not depend on
+    /// whether the other has any.
+    fn normals(&mut self, count: usize, random: &mut ChaCha8Rng) -> &[Normal] {
+        let spare = self.spare.take();
+        let pairs = count.saturating_sub(usize::from(spare.is_some())).div_ceil(2);
+        // The first pair has place for the spare.
+        self.drawn.resize(1 + pairs, [Normal::default(); 2]);
+        standard_normals(random, &mut self.drawn[1..]);
+        let first = match spare {
+            Some(spare) => {
+                self.drawn[0][1] = spare;
+                1
+            }
+            None => 2,
+        };
+        let drawn = self.drawn.as_flattened();
+        self.spare = drawn.get(first + count).copied();
+        &drawn[first..first + count]
     }
 }
 

@@ -156,9 +156,9 @@ fn read_taxels(model: &Model, sensor: &Sensor, loads: &Loads, taxels: &mut Vec<T
     taxels.clear();
     let mut pressed = loads.taxels.iter().peekable();
     for (patch, described) in model.arm.skin.layout.patches.iter().enumerate() {
-        for (taxel, place) in described.taxels.iter().enumerate() {
+        let places = described.taxels.iter().zip(sensor.readings_n(patch));
+        for (taxel, (place, &sensed_force_n)) in places.enumerate() {
             let load = pressed.next_if(|(place, _)| *place == (patch, taxel));
-            let sensed_force_n = sensor.reading_n(patch, taxel);
             if load.is_none() && sensed_force_n == 0.0 {
                 continue;
             }

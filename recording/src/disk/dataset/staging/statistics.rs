@@ -44,14 +44,16 @@ fn bin(number: f64) -> i32 {
 fn merge_bins(bins: &mut Vec<(i32, u64)>, others: &[(i32, u64)]) {
     let (mut at, known) = (0, bins.len());
     for (bin, samples) in others {
-        at += bins[at..known].partition_point(|(known, _)| known < bin);
+        while at < known && bins[at].0 < *bin {
+            at += 1;
+        }
         match bins[..known].get_mut(at) {
             Some((known, all)) if known == bin => *all += samples,
             _ => bins.push((*bin, *samples)),
         }
     }
     if bins.len() > known {
-        bins.sort();
+        bins.sort_by_key(|(bin, _)| *bin);
     }
 }
 
@@ -77,15 +79,16 @@ impl ColumnStatistics {
     fn of<T: Copy>(width: usize, values: &[T], number: impl Fn(T) -> f64) -> Self {
         let mut found = ColumnStatistics { count: (values.len() / width) as u64, ..Self::new(width) };
         let rows = || values.chunks_exact(width).map(|row| row.iter().map(|value| number(*value)));
-        let mut bins = Vec::new();
+        // Sorting them element by element is several times as fast as sorting all.
+        let mut bins = vec![Vec::new(); width];
         for row in rows() {
-            let figures = found.min.iter_mut().zip(&mut found.max).zip(&mut found.mean);
-            for (element, (((min, max), sum), number)) in figures.zip(row).enumerate() {
+            let figures = found.min.iter_mut().zip(&mut found.max).zip(&mut found.mean).zip(&mut bins);
+            for ((((min, max), sum), bins), number) in figures.zip(row) {
                 *min = min.min(number);
                 *max = max.max(number);
                 *sum += number;
                 if number != 0.0 {
-                    bins.push((element, bin(number)));
+                    bins.push(bin(number));
                 }
             }
         }
@@ -95,10 +98,9 @@ impl ColumnStatistics {
                 *squares += (number - mean) * (number - mean);
             }
         }
-        bins.sort_unstable();
-        for same in bins.chunk_by(|first, second| first == second) {
-            let (element, bin) = same[0];
-            found.bins[element].push((bin, same.len() as u64));
+        for (counted, bins) in found.bins.iter_mut().zip(&mut bins) {
+            bins.sort_unstable();
+            counted.extend(bins.chunk_by(i32::eq).map(|same| (same[0], same.len() as u64)));
         }
         found
     }
