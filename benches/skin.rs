@@ -11,18 +11,18 @@ use underbrush_recording::Pose;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::object::FRICTION;
-use underbrush_sim::skin::{ContactPoint, SkinPatch, SpreadBuffers};
+use underbrush_sim::skin::{SkinContact, SkinPatch, SpreadBuffers};
 
 /// A taxel in the middle of the forearm: row 8 of 16, column 12 of 24.
 const TAXEL: usize = 8 * 24 + 12;
 
 /// Cody's forearm with one contact of `force_n` on its middle taxel.
-fn forearm(force_n: f64) -> (SkinPatch, ContactPoint) {
+fn forearm(force_n: f64) -> (SkinPatch, SkinContact) {
     let arm = Arm::cody().expect("Cody's files are sound");
     let patch =
         SkinPatch::of_arm(&arm).swap_remove(arm.skin.layout.patch_index("forearm").expect("Cody has a forearm"));
     let inward = -patch.normals_link[TAXEL];
-    let contact = ContactPoint {
+    let contact = SkinContact {
         radius_m: 0.02,
         position_link: patch.centers_link[TAXEL],
         inward_link: inward,
@@ -32,19 +32,19 @@ fn forearm(force_n: f64) -> (SkinPatch, ContactPoint) {
 }
 
 /// A trunk 3 cm thick across the forearm, with its surface at the contact.
-fn trunk(contact: &ContactPoint) -> (Box<dyn Shape>, Pose) {
+fn trunk(contact: &SkinContact) -> (Box<dyn Shape>, Pose) {
     let shape = Capsule::new(DVec3::X * -0.2, DVec3::X * 0.2, 0.015);
     (Box::new(shape), across(contact, 0.015))
 }
 
 /// A segment of a leaf, 4 cm wide and 4 cm high, flat on the forearm.
-fn leaf(contact: &ContactPoint) -> (Box<dyn Shape>, Pose) {
+fn leaf(contact: &SkinContact) -> (Box<dyn Shape>, Pose) {
     let shape = Cuboid::new(DVec3::new(0.02, 0.02, 0.001));
     (Box::new(shape), across(contact, 0.001))
 }
 
 /// A pose whose x axis lies around the forearm and whose z axis points at it, `distance_m` above the contact.
-fn across(contact: &ContactPoint, distance_m: f64) -> Pose {
+fn across(contact: &SkinContact, distance_m: f64) -> Pose {
     let rotation = glam::DQuat::from_rotation_arc(DVec3::NEG_Z, contact.inward_link);
     let along = rotation * DVec3::X;
     let around = contact.inward_link.cross(DVec3::Z).normalize();

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use parry3d::query;
 use parry3d::shape::SharedShape;
-use underbrush_classifier::touch::{Touch, TouchClassifier, TouchModel};
+use underbrush_classifier::touch::{TouchClassifier, TouchModel, TouchVerdict};
 use underbrush_recording::body::POSITION_TOLERANCE_M;
 use underbrush_recording::disk::Dataset;
 use underbrush_recording::{Body, BodyOwner, Category, Pose, Recording};
@@ -94,12 +94,12 @@ fn judge(model: &Arc<TouchModel>, recording: &Recording, groups: &mut BTreeMap<S
             group.frames += 1;
             group.force_n += force_n[&object];
             let verdict = match touch.touch {
-                Touch::Category(known) if model.categories()[known] == category(object).name() => 0,
-                Touch::Category(_) => 1,
-                Touch::Uncertain => 2,
-                Touch::Unknown if category(object) == Category::OUTLIER => 0,
-                Touch::Unknown => 3,
-                Touch::Nothing => 4,
+                TouchVerdict::Category(known) if model.categories()[known] == category(object).name() => 0,
+                TouchVerdict::Category(_) => 1,
+                TouchVerdict::Uncertain => 2,
+                TouchVerdict::Unknown if category(object) == Category::OUTLIER => 0,
+                TouchVerdict::Unknown => 3,
+                TouchVerdict::Nothing => 4,
             };
             group.verdicts[verdict] += 1;
         }

@@ -25,7 +25,7 @@ use underbrush_sim::controller::mapped::arm_shapes::ArmShapes;
 use underbrush_sim::controller::mapped::map::{Map, Obstacle};
 use underbrush_sim::controller::mapped::planner::{BUDGET, Planner, length_rad};
 use underbrush_sim::controller::{
-    Controller, ControllerInput, ControllerKind, ControllerOutput, Mapped, TaxelContact, Touched, Verdict,
+    ContactVerdict, Controller, ControllerInput, ControllerKind, ControllerOutput, Mapped, TaxelContact, Touched,
 };
 use underbrush_sim::geometry::Capsule;
 use underbrush_sim::reach::ReachPlan;
@@ -194,7 +194,9 @@ impl Controller for Swapped {
     fn control(&mut self, input: &ControllerInput) -> ControllerOutput {
         let swap = |contact: &TaxelContact| {
             let mut contact = contact.clone();
-            let Some(Verdict { touched: Touched::Category(name), .. }) = &mut contact.verdict else { return contact };
+            let Some(ContactVerdict { touched: Touched::Category(name), .. }) = &mut contact.verdict else {
+                return contact;
+            };
             let (other, force_n) = match &**name {
                 "leaf" => ("trunk", 1.5),
                 "trunk" => ("leaf", 6.0),

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use underbrush_recording::{Category, InputError};
 
-use crate::error::Fault;
+use crate::error::ValueFault;
 use crate::seal;
 
 /// The format of models of trials.
@@ -87,7 +87,7 @@ impl Document {
         fault.map_or(Ok(()), |(name, allowed)| Err(self.error("categories", format!("{name:?}"), allowed)))
     }
 
-    pub(crate) fn fault(&self, fault: Fault) -> InputError {
+    pub(crate) fn fault(&self, fault: ValueFault) -> InputError {
         self.error(fault.field, fault.found, fault.allowed)
     }
 }

@@ -17,7 +17,7 @@ pub enum ModelError {
     Feature(#[from] FeatureError),
     /// An option of a classifier outside its range.
     #[error("the option {0}")]
-    BadOption(#[from] Fault),
+    BadOption(#[from] ValueFault),
     /// No trial has a category that classifiers are fitted to.
     #[error(
         "none of {trials} trials has a category to fit (blocks and outliers are never fitted); \
@@ -90,7 +90,7 @@ impl From<InputError> for ModelError {
 /// A value outside its range, in a field of a model file or an option of a classifier.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{field} is {found}; allowed: {allowed}")]
-pub struct Fault {
+pub struct ValueFault {
     /// Name of the field or the option.
     pub field: String,
     /// The value found.
@@ -99,19 +99,19 @@ pub struct Fault {
     pub allowed: String,
 }
 
-impl Fault {
+impl ValueFault {
     pub(crate) fn new(field: impl Into<String>, found: impl Into<String>, allowed: impl Into<String>) -> Self {
-        Fault { field: field.into(), found: found.into(), allowed: allowed.into() }
+        ValueFault { field: field.into(), found: found.into(), allowed: allowed.into() }
     }
 
     /// The same fault in a field of `parent`.
     pub(crate) fn within(self, parent: &str) -> Self {
         let field = format!("{parent}.{}", self.field);
-        Fault { field, ..self }
+        ValueFault { field, ..self }
     }
 }
 
 /// Checks that a number lies within its limits.
-pub(crate) fn check_limits(field: impl Into<String>, value: f64, limits: Limits) -> Result<(), Fault> {
-    if limits.hold(value) { Ok(()) } else { Err(Fault::new(field, short(value), limits.to_string())) }
+pub(crate) fn check_limits(field: impl Into<String>, value: f64, limits: Limits) -> Result<(), ValueFault> {
+    if limits.hold(value) { Ok(()) } else { Err(ValueFault::new(field, short(value), limits.to_string())) }
 }

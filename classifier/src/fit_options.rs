@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::Fault;
+use crate::error::ValueFault;
 use crate::hmm::{InitialDistribution, ScoreKind, Topology, TrainingOptions};
 use crate::{ClassifierKind, Estimator, FeatureSet, ModelError, Recipe};
 
@@ -44,12 +44,12 @@ pub struct FitOptions {
 }
 
 /// The value with this name.
-fn named<T: Copy>(option: &str, name: Option<&str>, known: &[(&str, T)]) -> Result<Option<T>, Fault> {
+fn named<T: Copy>(option: &str, name: Option<&str>, known: &[(&str, T)]) -> Result<Option<T>, ValueFault> {
     let Some(name) = name else { return Ok(None) };
     let found = known.iter().find(|(other, _)| *other == name);
     found.map(|(_, value)| Some(*value)).ok_or_else(|| {
         let known: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
-        Fault::new(option, format!("{name:?}"), known.join(", "))
+        ValueFault::new(option, format!("{name:?}"), known.join(", "))
     })
 }
 
@@ -89,7 +89,7 @@ impl FitOptions {
             None => Ok(None),
             Some(option) => {
                 let found = format!("given for the classifier {}", kind.name);
-                Err(Fault::new(option, found, "only for the classifier hmm").into())
+                Err(ValueFault::new(option, found, "only for the classifier hmm").into())
             }
         }
     }

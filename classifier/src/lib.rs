@@ -86,7 +86,7 @@ pub mod trial;
 
 pub use decision::{Decision, Rule};
 pub use document::{Document, FORMAT};
-pub use error::{Fault, ModelError};
+pub use error::{ModelError, ValueFault};
 pub use estimator::{Classifier, ClassifierKind, Estimator, is_trained};
 pub use evaluate::{Evaluation, FoldBy, Folds, ThresholdTargets, cross_validate};
 pub use feature::{FeatureError, FeatureSet, SampleFault};

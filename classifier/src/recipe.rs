@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use underbrush_recording::Limits;
 
-use crate::error::{Fault, check_limits};
+use crate::error::{ValueFault, check_limits};
 use crate::feature::FeatureSet;
 use crate::hmm::{InitialDistribution, ScoreKind, Topology, TrainingOptions};
 
@@ -100,7 +100,7 @@ impl Recipe {
     }
 
     /// Checks that every number is within its range.
-    pub(crate) fn check(&self) -> Result<(), Fault> {
+    pub(crate) fn check(&self) -> Result<(), ValueFault> {
         check_limits("states", self.states as f64, STATES)?;
         check_limits("max_samples", self.max_samples.map_or(1.0, |count| count as f64), SAMPLES)?;
         check_training(&self.training)
@@ -108,7 +108,7 @@ impl Recipe {
 }
 
 /// Checks that every option of Baum-Welch is within its range.
-pub(crate) fn check_training(training: &TrainingOptions) -> Result<(), Fault> {
+pub(crate) fn check_training(training: &TrainingOptions) -> Result<(), ValueFault> {
     check_limits("training.iterations", training.iterations as f64, ITERATIONS)?;
     check_limits("training.tolerance", training.tolerance, TOLERANCE)?;
     check_limits("training.variance_floor", training.variance_floor, VARIANCE_FLOOR)

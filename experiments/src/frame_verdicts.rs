@@ -17,7 +17,7 @@ pub struct Classified {
 }
 
 /// An engineered reach: its verdicts compared with the category of the scene, and with the object that presses.
-pub struct Engineered {
+pub struct EngineeredVerdicts {
     /// Compared with the category of the scene; `None` if no draw met the requirement.
     pub by_scene: Option<Classified>,
     /// Compared with the object that presses.
@@ -27,7 +27,7 @@ pub struct Engineered {
 /// All reaches classified online.
 pub struct Online {
     /// Engineered reaches, in the order of [`reaches::TestReaches::engineered`].
-    pub engineered: Vec<Engineered>,
+    pub engineered: Vec<EngineeredVerdicts>,
     /// General reaches.
     pub general: Vec<Classified>,
     /// General reaches drawn.
@@ -61,7 +61,7 @@ pub struct Shares {
     pub uncertain_percent: f64,
     /// Taxels in contact for which there is ground truth, summed over frames.
     pub taxel_frames: usize,
-    /// Taxels in contact that nothing presses on, summed over frames. They are not in the fractions.
+    /// Untouched taxels in contact (spurious readings), summed over frames. They are not in the fractions.
     pub without_truth: usize,
 }
 
@@ -120,7 +120,7 @@ pub fn run(session: &Session) -> Result<Online, Fault> {
         // General reaches are classified first, and without other work on the machine, because their time is shown.
         let classified_general = classify(general, uncertain, StreamTruth::Object)?;
         let engineered = |(category, found): &(Category, Found)| {
-            Ok(Engineered {
+            Ok(EngineeredVerdicts {
                 by_scene: classify(Some(found), uncertain, StreamTruth::Environment(*category))?.pop(),
                 by_object: classify(Some(found), uncertain, StreamTruth::Object)?.pop(),
             })

@@ -10,6 +10,14 @@ use underbrush_recording::math;
 const RESAMPLES: usize = 1000;
 
 /// A number with its 95 % interval.
+///
+/// ```
+/// use underbrush_experiments::resampled::Estimate;
+///
+/// let share = Estimate { value: Some(0.5), interval: Some([0.25, 0.75]) };
+/// assert_eq!(share.text(100.0, 0), "50 (25 to 75)");
+/// assert_eq!(Estimate::default().text(100.0, 0), "-");
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// The statistic of all reaches; `None` if they do not determine it, such as a mean over nothing.

@@ -9,9 +9,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde::Serialize;
-use underbrush_classifier::touch::{Touch, TouchClassifier, TouchModel};
+use underbrush_classifier::touch::{TouchClassifier, TouchModel, TouchVerdict};
 use underbrush_recording::{Dataset, Fault, Frame, InputError, JSON_BYTES, MappedObstacle, read_text};
-use underbrush_sim::controller::{AllowedForces, Controller, ControllerOutput, TaxelContact, Touched, Verdict};
+use underbrush_sim::controller::{AllowedForces, ContactVerdict, Controller, ControllerOutput, TaxelContact, Touched};
 use underbrush_sim::{ControllerInput, ControllerKind, ReachPlan, Scene};
 
 /// The suffix of the name of a controller with the verdicts of a touch model.
@@ -217,19 +217,21 @@ struct VerdictController {
 
 impl VerdictController {
     /// The verdict on a contact. A taxel under the model's threshold, or on a patch that it does not judge, has none.
-    fn verdict(&self, contact: &TaxelContact) -> Option<Verdict> {
+    fn verdict(&self, contact: &TaxelContact) -> Option<ContactVerdict> {
         let Some(classifier) = &self.classifier else { return contact.verdict.clone() };
         let mut taxels = classifier.taxels().iter().filter(|_| self.is_judged);
         let own = taxels.find(|own| (own.patch, own.taxel) == (contact.patch, contact.taxel))?;
         let categories = classifier.model().categories();
         let probabilities = classifier.probabilities(own.region);
         let (touched, probability) = match own.touch {
-            Touch::Nothing => (Touched::Nothing, own.nothing),
-            Touch::Category(index) => (Touched::Category(categories[index].as_str().into()), probabilities[index]),
-            Touch::Uncertain => (Touched::Uncertain, probabilities.iter().copied().fold(0.0, f64::max)),
-            Touch::Unknown => (Touched::Unknown, 1.0 - classifier.regions()[own.region].share_beyond),
+            TouchVerdict::Nothing => (Touched::Nothing, own.nothing),
+            TouchVerdict::Category(index) => {
+                (Touched::Category(categories[index].as_str().into()), probabilities[index])
+            }
+            TouchVerdict::Uncertain => (Touched::Uncertain, probabilities.iter().copied().fold(0.0, f64::max)),
+            TouchVerdict::Unknown => (Touched::Unknown, 1.0 - classifier.regions()[own.region].share_beyond),
         };
-        Some(Verdict { touched, probability })
+        Some(ContactVerdict { touched, probability })
     }
 }
 

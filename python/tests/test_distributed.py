@@ -31,16 +31,16 @@ def test_parts_of_another_call_are_refused(tmp_path: Path) -> None:
     (folder / "2").mkdir()
     assert claim() == claim(default=9) == claim(parts=3, controller="own") == 3
     for changes, text in (
-        ({"seed": 2}, "another seed"),
-        ({"reaches": 3, "controller": "blind"}, "another controller and reaches"),
-        ({"verdicts": None}, "another verdicts"),
-        ({"parts": 2}, "another parts"),
+        ({"seed": 2}, "differs in seed"),
+        ({"reaches": 3, "controller": "blind"}, "differs in controller and reaches"),
+        ({"verdicts": None}, "differs in verdicts"),
+        ({"parts": 2}, "differs in parts"),
     ):
         with pytest.raises(ub.InputError, match=f"{text}; allowed") as found:
             claim(**changes)
         assert (found.value.file, found.value.field) == (str(folder), "out") and "remove" in str(found.value.remedy)
     model.write_text("another model")
-    with pytest.raises(ub.InputError, match="another verdicts"):
+    with pytest.raises(ub.InputError, match="differs in verdicts"):
         claim()
     with pytest.raises(ub.InputError, match="parts: found -1; allowed: 1 or more"):
         claim(parts=-1)

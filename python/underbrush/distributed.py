@@ -302,7 +302,7 @@ def _claim(folder: Path, call: dict[str, Any], parts: int | None, default: int) 
         wanted = {**call, "parts": count}
         if before != wanted:
             names = sorted(name for name in before.keys() | wanted.keys() if before.get(name) != wanted.get(name))
-            found = f"parts of another call, with another {' and '.join(names)}" if before else "parts of an unknown call"
+            found = f"parts of another call, which differs in {' and '.join(names)}" if before else "parts of an unknown call"
             allowed = "an empty folder, or parts of this call"
             remedy = "remove this folder, or choose another out"
             message = f"{folder}: out: found {found}; allowed: {allowed}; remedy: {remedy}"

@@ -52,6 +52,13 @@ impl From<RenderError> for Fault {
 }
 
 /// Width and height of a picture, pixels.
+///
+/// ```
+/// use underbrush_render::Size;
+///
+/// assert!(Size { width: 320, height: 240 }.check().is_ok());
+/// assert!(Size { width: 320, height: 2 }.check().is_err());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
     /// Width.
@@ -77,6 +84,16 @@ impl Size {
 }
 
 /// A pinhole camera.
+///
+/// ```
+/// use glam::DVec3;
+/// use underbrush_render::Camera;
+///
+/// // From the front, the two ends of a trunk fit into the picture.
+/// let camera = Camera::around(&[DVec3::ZERO, DVec3::Z], DVec3::X, 4.0 / 3.0);
+/// assert!(camera.eye_world.x > 1.0);
+/// assert!(camera.target_world.distance(0.5 * DVec3::Z) < 1e-9);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Where it is, m, world frame.

@@ -1,21 +1,24 @@
 //! A row of the benchmark as readable text.
 
 use underbrush_experiments::benchmark::{
-    Estimate, Figures, Halves, ObjectFigures, Ranking, Reaching, Row, SetRecord, Transfer, UnknownIn, Verdicts,
+    BenchmarkRow, Estimate, Halves, ObjectFigures, Ranking, Reaching, SetRecord, TrackFigures, Transfer, UnknownIn,
+    Verdicts,
 };
 
 use crate::{Rows, counted};
 
 /// A sentence on what was judged, tables of the figures, and what they were measured on.
-pub fn of(row: &Row) -> String {
+pub fn of(row: &BenchmarkRow) -> String {
     let entry = &row.entry;
     let classifier = entry.classifier.as_ref().map_or_else(String::new, |name| format!(" ({name})"));
     let quick = if row.complete { "" } else { ", a quick run that is no row of the table" };
     let figures = match &row.figures {
-        Figures::Verdicts(own) => of_halves("leaf, trunk or unknown, balanced, at the end / %", own, of_verdicts),
-        Figures::Transfer(own) => of_halves("leaf or trunk, mean over the shifted settings / %", own, of_transfer),
-        Figures::Reaching(own) => of_halves("goals reached without more than 5 N on a trunk / %", own, of_reaching),
-        Figures::Earlier(figures) => format!("{figures:#}\n"),
+        TrackFigures::Verdicts(own) => of_halves("leaf, trunk or unknown, balanced, at the end / %", own, of_verdicts),
+        TrackFigures::Transfer(own) => of_halves("leaf or trunk, mean over the shifted settings / %", own, of_transfer),
+        TrackFigures::Reaching(own) => {
+            of_halves("goals reached without more than 5 N on a trunk / %", own, of_reaching)
+        }
+        TrackFigures::Earlier(figures) => format!("{figures:#}\n"),
     };
     let set = |own: &SetRecord| {
         let SetRecord { name, seed, scenes, data_blake3 } = own;

@@ -16,7 +16,7 @@ pub const TRUNK: &str = "#6b4423";
 pub const OUTLIER: &str = "#c8102e";
 /// Taxels without a verdict.
 pub const UNCERTAIN: &str = "#1f5fbf";
-/// Taxels that read a force although nothing presses on them.
+/// Untouched taxels that read a force.
 pub const UNTOUCHED: &str = "#8a939c";
 /// Correct verdicts.
 pub const CORRECT: &str = "#009e73";

@@ -34,6 +34,14 @@ pub struct PhysicsOptions {
 }
 
 /// How far along a step its forces are taken, from ½ (implicit midpoint) to 1 (implicit Euler): θ of the θ-method.
+///
+/// ```
+/// use underbrush_sim::physics::Theta;
+///
+/// // Motions that are slow compared with the step keep their energy. Fast ones are damped.
+/// assert_eq!(Theta::of_phase(0.5, Theta::DAMPED), Theta::MIDPOINT);
+/// assert_eq!(Theta::of_phase(10.0, Theta::DAMPED), Theta::DAMPED);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Theta(f64);
 

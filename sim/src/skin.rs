@@ -48,9 +48,9 @@ pub struct SkinPatch {
     pub surface: Surface,
 }
 
-/// One contact point of the solver, between a link and one collision shape of an object.
+/// A contact between a link and one collision shape of an object, in the frame of the link, as input of the skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactPoint {
+pub struct SkinContact {
     /// Position, m, link frame.
     pub position_link: DVec3,
     /// Direction of the normal force on the link (out of the object, into the link), unit, link frame.
@@ -114,7 +114,7 @@ impl SkinPatch {
     }
 
     /// Whether a contact presses on this skin and not on the bare shell beside it. High friction may pull it away from all taxels.
-    pub fn covers(&self, contact: &ContactPoint) -> bool {
+    pub fn covers(&self, contact: &SkinContact) -> bool {
         let reach = self.reach_m * self.reach_m;
         let mut taxels = self.centers_link.iter().zip(&self.normals_link);
         taxels.any(|(center, normal)| {
@@ -128,7 +128,7 @@ impl SkinPatch {
     /// contents of `buffers` do not matter.
     pub fn spread<'a>(
         &self,
-        contacts: &[ContactPoint],
+        contacts: &[SkinContact],
         shape: &dyn Shape,
         shape_pose: &Pose,
         object: &Surface,
@@ -137,7 +137,7 @@ impl SkinPatch {
         buffers.forces.clear();
         let interface = self.surface.with(object);
         let total: DVec3 = contacts.iter().map(|contact| contact.force_link).sum();
-        let load = |contact: &ContactPoint| contact.force_link.dot(contact.inward_link).max(0.0);
+        let load = |contact: &SkinContact| contact.force_link.dot(contact.inward_link).max(0.0);
         let normal_sum: DVec3 = contacts.iter().map(|contact| contact.inward_link * load(contact)).sum();
         let inward = normal_sum.normalize_or_zero();
         let weight: f64 = contacts.iter().map(load).sum();
@@ -244,7 +244,7 @@ impl SkinPatch {
     }
 
     /// The sub-points of the taxels near these contacts, with their indices.
-    fn nearby<'a>(&'a self, contacts: &'a [ContactPoint]) -> impl Iterator<Item = (usize, &'a SurfacePoint)> {
+    fn nearby<'a>(&'a self, contacts: &'a [SkinContact]) -> impl Iterator<Item = (usize, &'a SurfacePoint)> {
         let count = self.points_per_taxel();
         let taxels = self.sub_points.chunks_exact(count).zip(&self.centers_link).zip(&self.corners_m).enumerate();
         let near = taxels.filter(|(_, ((_, center), corner_m))| {
@@ -263,7 +263,7 @@ impl SkinPatch {
 
     /// Returns the taxel within reach of a contact that faces the force most. Among taxels with the same normal, as on a
     /// flat pad, it is the one nearest to a contact. The second number is what it feels of a force on its nearest sub-point.
-    fn facing_taxel(&self, contacts: &[ContactPoint], force_link: DVec3) -> Option<(usize, f64)> {
+    fn facing_taxel(&self, contacts: &[SkinContact], force_link: DVec3) -> Option<(usize, f64)> {
         let squared_distance = |position: DVec3| {
             let distances = contacts.iter().map(|contact| contact.position_link.distance_squared(position));
             distances.fold(f64::INFINITY, f64::min)

@@ -7,7 +7,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde::Serialize;
 use underbrush_recording::{distinct, math};
 use underbrush_report::drawing::Rows;
-use underbrush_validation::{CHECKS, Check, FalsifiedOutcome, FalsifiedRun, Judged, Outcome, Verdict, falsify};
+use underbrush_validation::{CHECKS, Check, CheckOutcome, FalsifiedOutcome, FalsifiedRun, Judged, Verdict, falsify};
 
 use crate::options::number;
 use crate::{Failure, output, progress};
@@ -34,7 +34,7 @@ struct Report {
     falsified: bool,
     /// Whether every check passes.
     sound: bool,
-    checks: Vec<Outcome>,
+    checks: Vec<CheckOutcome>,
 }
 
 /// The result of the checks with parameters that are wrong on purpose.
@@ -163,7 +163,7 @@ fn broken_comparisons(outcome: &FalsifiedOutcome, tolerance_scale: f64) -> Strin
 }
 
 /// The table of one check, with the reasons for its tolerances.
-fn comparisons(outcome: &Outcome, tolerance_scale: f64) -> String {
+fn comparisons(outcome: &CheckOutcome, tolerance_scale: f64) -> String {
     if outcome.comparisons.is_empty() {
         return String::new();
     }

@@ -55,7 +55,7 @@ pub enum Verdict {
 
 /// What one check found.
 #[derive(Clone, Debug, Serialize)]
-pub struct Outcome {
+pub struct CheckOutcome {
     /// The check's number.
     pub number: u8,
     /// The check's name.
@@ -104,7 +104,7 @@ pub(crate) fn run_all(jobs: &[(&Case, Simulated)], done: impl Fn() + Sync) -> Ve
 
 /// Runs checks on the threads of the current rayon pool and judges them. The outcomes are in the order of `checks`.
 /// `done` is called after each case.
-pub fn run(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> Vec<Outcome> {
+pub fn run(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> Vec<CheckOutcome> {
     let cases = checks.iter().flat_map(|check| check.cases);
     let jobs: Vec<(&Case, Simulated)> = cases.map(|case| (case, Simulated(None))).collect();
     let mut found = run_all(&jobs, done).into_iter();
@@ -114,7 +114,7 @@ pub fn run(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> V
 
 /// Judges what the cases of a check found. A check without any comparison fails, and so does one with a case that ended
 /// with an error.
-fn judge(check: &Check, found: Vec<Found>, tolerance_scale: f64) -> Outcome {
+fn judge(check: &Check, found: Vec<Found>, tolerance_scale: f64) -> CheckOutcome {
     let (mut comparisons, mut errors) = (Vec::new(), Vec::new());
     let judged = |comparison: Comparison| Judged::new(comparison, tolerance_scale);
     for case in found {
@@ -124,7 +124,7 @@ fn judge(check: &Check, found: Vec<Found>, tolerance_scale: f64) -> Outcome {
         }
     }
     let worst = comparisons.iter().map(|judged| judged.verdict).max();
-    Outcome {
+    CheckOutcome {
         number: check.number(),
         name: check.name,
         summary: check.summary,

@@ -3,6 +3,15 @@
 use serde::Serialize;
 
 /// One simulated quantity beside its closed form.
+///
+/// ```
+/// use underbrush_validation::Comparison;
+///
+/// let deflection = Comparison::of("deflection of the tip", "m", 0.1, 0.102).relative(0.03, "pieces for a curve");
+/// assert!(deflection.passes(1.0));
+/// // The two differ by 2 %.
+/// assert!(!deflection.passes(0.5));
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// What is compared.
@@ -61,6 +70,14 @@ impl Comparison {
 
 /// A parameter of the simulated side that is wrong on purpose, as a mistake in a scene file, in an arm file or in the
 /// program could make it.
+///
+/// ```
+/// use underbrush_validation::Falsification;
+///
+/// let softer = Falsification::new("bending stiffness", "10 % too low").breaking(&["deflection"]);
+/// assert!(softer.must_break("deflection of the tip"));
+/// assert!(!softer.must_break("mass of the leaf"));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Falsification {
     /// What is wrong.

@@ -33,7 +33,7 @@ mod skin_forces;
 mod skin_layer;
 mod standing_bottle;
 
-pub use check::{Case, Check, Found, Judged, Outcome, Simulated, Verdict, run};
+pub use check::{Case, Check, CheckOutcome, Found, Judged, Simulated, Verdict, run};
 pub use comparison::{Comparison, Falsification};
 pub use falsification::{Falsified, FalsifiedOutcome, FalsifiedRun, falsify};
 pub use underbrush_recording::fault::Fault;

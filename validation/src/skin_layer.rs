@@ -8,7 +8,7 @@ use underbrush_oracles::numeric::{bisected, log_log_slope};
 use underbrush_recording::Pose;
 use underbrush_sim::arm::skin::SurfacePoint;
 use underbrush_sim::object::FRICTION;
-use underbrush_sim::skin::{ContactPoint, SkinPatch, SpreadBuffers};
+use underbrush_sim::skin::{SkinContact, SkinPatch, SpreadBuffers};
 use underbrush_sim::{Arm, Surface};
 
 use crate::contact_law::layer;
@@ -142,7 +142,7 @@ fn largest_force_n(
     pose: &Pose,
 ) -> f64 {
     let force_link = outward * -force_n;
-    let contact = ContactPoint { position_link, inward_link: -outward, force_link, radius_m: 0.02 };
+    let contact = SkinContact { position_link, inward_link: -outward, force_link, radius_m: 0.02 };
     let (hard, mut buffers) = (Surface::hard(FRICTION), SpreadBuffers::default());
     let forces = patch.spread(&[contact], shape.as_ref(), pose, &hard, &mut buffers);
     forces.iter().map(|force| force.normal_force_n).fold(0.0, f64::max)

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::{Sample, Trial, math};
 
 use super::fitted::{FITTED, POSITIVE, TrialsByCategory, check_list, check_table};
-use crate::error::Fault;
+use crate::error::ValueFault;
 use crate::feature::{Feature, FeatureError, FeatureSet, SampleFault};
 
 /// Weights of a kernel. Three have the weight 2 and six −1, so a constant input gives 0.
@@ -109,17 +109,17 @@ impl Convolutions {
     }
 
     /// Checks numbers read from a file, and makes the convolutions ready for use.
-    pub(super) fn check(&mut self, features: FeatureSet) -> Result<(), Fault> {
+    pub(super) fn check(&mut self, features: FeatureSet) -> Result<(), ValueFault> {
         check_list("scale", &self.scale, features.dimension(), POSITIVE)?;
         if self.dilations.is_empty() || !DILATIONS.starts_with(&self.dilations) {
             let allowed = format!("the first of {DILATIONS:?}");
-            return Err(Fault::new("dilations", format!("{:?}", self.dilations), allowed));
+            return Err(ValueFault::new("dilations", format!("{:?}", self.dilations), allowed));
         }
         let convolutions = KERNELS * self.dilations.len();
         let fits = |own: &Vec<bool>| own.len() == features.dimension() && own.contains(&true);
         if self.inputs.len() != convolutions || !self.inputs.iter().all(fits) {
             let allowed = format!("{convolutions} lists of {} of true and false", features.dimension());
-            return Err(Fault::new("inputs", format!("{} lists", self.inputs.len()), allowed));
+            return Err(ValueFault::new("inputs", format!("{} lists", self.inputs.len()), allowed));
         }
         let each = self.biases.first().map_or(0, Vec::len);
         check_table("biases", &self.biases, (convolutions, each.max(1)), FITTED)?;

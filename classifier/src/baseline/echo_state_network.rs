@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::{Limits, Sample, math};
 
 use super::fitted::{self, Baseline, Columns, FITTED, TrialsByCategory, check_table, columns};
-use crate::error::{Fault, ModelError, check_limits};
+use crate::error::{ModelError, ValueFault, check_limits};
 use crate::{ClassifierKind, FeatureError, FeatureSet, SampleFault};
 
 /// The entry in the list of classifiers.
@@ -112,7 +112,7 @@ impl Baseline for EchoStateNetwork {
         self.features
     }
 
-    fn check(&self) -> Result<(), Fault> {
+    fn check(&self) -> Result<(), ValueFault> {
         check_limits("units", self.units as f64, UNITS)?;
         check_limits("leak", self.leak, LEAK)?;
         check_limits("penalty", self.penalty, PENALTY)
@@ -141,7 +141,7 @@ impl Baseline for EchoStateNetwork {
         Ok(Parameters { readout: Columns(factor.solve(&target)), ..network })
     }
 
-    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), Fault> {
+    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), ValueFault> {
         let Parameters { recurrent, inputs, readout } = parameters;
         let (units, size) = (self.units, self.units + self.inputs());
         check_table("recurrent", &columns(&recurrent.0), (units, units), FITTED)?;

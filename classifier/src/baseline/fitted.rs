@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use underbrush_recording::{InputError, Limits, Sample, Trial, math};
 
-use crate::error::{Fault, ModelError, check_limits};
+use crate::error::{ModelError, ValueFault, check_limits};
 use crate::estimator::{
     Classifier, ClassifierKind, ContactScorer, Estimator, Independent, OnlineScorer, trials_by_category,
 };
@@ -35,7 +35,7 @@ pub(super) trait Baseline:
     fn features(&self) -> FeatureSet;
 
     /// Checks the options.
-    fn check(&self) -> Result<(), Fault> {
+    fn check(&self) -> Result<(), ValueFault> {
         Ok(())
     }
 
@@ -43,7 +43,7 @@ pub(super) trait Baseline:
     fn learn(&self, trials: &TrialsByCategory) -> Result<Self::Parameters, ModelError>;
 
     /// Checks what a file holds, for this many categories, and makes it ready for use.
-    fn check_parameters(&self, parameters: &mut Self::Parameters, categories: usize) -> Result<(), Fault>;
+    fn check_parameters(&self, parameters: &mut Self::Parameters, categories: usize) -> Result<(), ValueFault>;
 
     /// As [`ContactScorer::push`].
     fn push(
@@ -156,9 +156,9 @@ struct Keys<O, P> {
 }
 
 /// Checks that a list has this length and that all numbers are within limits.
-pub(super) fn check_list(field: &str, values: &[f64], length: usize, limits: Limits) -> Result<(), Fault> {
+pub(super) fn check_list(field: &str, values: &[f64], length: usize, limits: Limits) -> Result<(), ValueFault> {
     if values.len() != length {
-        return Err(Fault::new(field, format!("{} numbers", values.len()), format!("{length} numbers")));
+        return Err(ValueFault::new(field, format!("{} numbers", values.len()), format!("{length} numbers")));
     }
     let mut places = values.iter().enumerate();
     places.try_for_each(|(index, value)| check_limits(format!("{field}[{index}]"), *value, limits))
@@ -166,9 +166,14 @@ pub(super) fn check_list(field: &str, values: &[f64], length: usize, limits: Lim
 
 /// Checks that a table has this many rows of this length and that all numbers are within limits. `shape` is the number
 /// of rows and their length.
-pub(super) fn check_table(field: &str, rows: &[Vec<f64>], shape: (usize, usize), limits: Limits) -> Result<(), Fault> {
+pub(super) fn check_table(
+    field: &str,
+    rows: &[Vec<f64>],
+    shape: (usize, usize),
+    limits: Limits,
+) -> Result<(), ValueFault> {
     if rows.len() != shape.0 {
-        return Err(Fault::new(field, format!("{} rows", rows.len()), format!("{} rows", shape.0)));
+        return Err(ValueFault::new(field, format!("{} rows", rows.len()), format!("{} rows", shape.0)));
     }
     let mut places = rows.iter().enumerate();
     places.try_for_each(|(index, row)| check_list(&format!("{field}[{index}]"), row, shape.1, limits))

@@ -8,7 +8,7 @@ use underbrush_recording::{Limits, Sample, math, stop};
 
 use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
 use super::table::{Row, Standardization, Table};
-use crate::error::{Fault, ModelError, check_limits};
+use crate::error::{ModelError, ValueFault, check_limits};
 use crate::stream_feature::{Selection, StreamFeatures, TAXEL_AND_REGION};
 use crate::{ClassifierKind, FeatureSet, SampleFault};
 
@@ -96,7 +96,7 @@ impl Baseline for Logistic {
         self.features
     }
 
-    fn check(&self) -> Result<(), Fault> {
+    fn check(&self) -> Result<(), ValueFault> {
         check_limits("penalty", self.penalty, PENALTY)
     }
 
@@ -109,7 +109,7 @@ impl Baseline for Logistic {
         Ok(Parameters { standardization, weights: fitted::columns(&weights.transpose()) })
     }
 
-    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), Fault> {
+    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), ValueFault> {
         let dimension = Selection::of(self.features).dimension();
         parameters.standardization.check(dimension).map_err(|fault| fault.within("standardization"))?;
         check_table("weights", &parameters.weights, (categories, dimension + 1), FITTED)

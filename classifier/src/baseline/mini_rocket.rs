@@ -8,7 +8,7 @@ use super::convolution::{Convolutions, KERNELS, Outputs};
 use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
 use super::ridge;
 use super::table::ages_of;
-use crate::error::{Fault, ModelError, check_limits};
+use crate::error::{ModelError, ValueFault, check_limits};
 use crate::stream_feature::{SAMPLE_COUNTS, TAXEL_AND_REGION, after};
 use crate::{ClassifierKind, FeatureSet, SampleFault};
 
@@ -95,7 +95,7 @@ impl Baseline for MiniRocket {
         self.features
     }
 
-    fn check(&self) -> Result<(), Fault> {
+    fn check(&self) -> Result<(), ValueFault> {
         check_limits("thresholds", self.thresholds as f64, THRESHOLDS)?;
         check_limits("penalty", self.penalty, PENALTY)
     }
@@ -112,7 +112,7 @@ impl Baseline for MiniRocket {
         Ok(Parameters { convolutions, weights: fitted::columns(&weights) })
     }
 
-    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), Fault> {
+    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), ValueFault> {
         let Parameters { convolutions, weights } = parameters;
         convolutions.check(self.features).map_err(|fault| fault.within("convolutions"))?;
         check_table("weights", weights, (categories, convolutions.dimension() + 1), FITTED)

@@ -6,7 +6,7 @@ use underbrush_recording::{Sample, math};
 
 use super::fitted::{self, Baseline, FITTED, POSITIVE, TrialsByCategory, check_table};
 use super::table::{Standardization, Table};
-use crate::error::{Fault, ModelError};
+use crate::error::{ModelError, ValueFault};
 use crate::stream_feature::{Selection, StreamFeatures};
 use crate::{ClassifierKind, FeatureSet, SampleFault};
 
@@ -102,10 +102,10 @@ impl Baseline for NaiveBayes {
         self.features
     }
 
-    fn check(&self) -> Result<(), Fault> {
+    fn check(&self) -> Result<(), ValueFault> {
         if self.selection().dimension() == 0 {
             let allowed = "features from which there is something to compute, such as force";
-            return Err(Fault::new("features", self.features.to_string(), allowed));
+            return Err(ValueFault::new("features", self.features.to_string(), allowed));
         }
         Ok(())
     }
@@ -132,7 +132,7 @@ impl Baseline for NaiveBayes {
         Ok(Parameters { standardization, mean, variance })
     }
 
-    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), Fault> {
+    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), ValueFault> {
         let dimension = self.selection().dimension();
         parameters.standardization.check(dimension).map_err(|fault| fault.within("standardization"))?;
         check_table("mean", &parameters.mean, (categories, dimension), FITTED)?;

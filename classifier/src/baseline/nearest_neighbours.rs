@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::{Limits, Sample, math};
 
 use super::fitted::{self, Baseline, Columns, FITTED, TrialsByCategory, check_list, check_table, columns};
-use crate::error::{Fault, ModelError, check_limits};
+use crate::error::{ModelError, ValueFault, check_limits};
 use crate::estimator::ClassifierKind;
 use crate::feature::{AREA, FORCE, FeatureSet, MOTION, SampleFault};
 
@@ -116,7 +116,7 @@ impl Baseline for NearestNeighbours {
         self.features
     }
 
-    fn check(&self) -> Result<(), Fault> {
+    fn check(&self) -> Result<(), ValueFault> {
         check_limits("window", self.window as f64, WINDOW)?;
         check_limits("neighbours", self.neighbours as f64, NEIGHBOURS)?;
         check_limits("explained", self.explained, EXPLAINED)
@@ -148,7 +148,7 @@ impl Baseline for NearestNeighbours {
         })
     }
 
-    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), Fault> {
+    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), ValueFault> {
         let Parameters { mean, scale, components, category, trials } = parameters;
         let (channels, count) = (self.features.dimension(), components.0.ncols());
         let length = channels * self.window;
@@ -157,11 +157,11 @@ impl Baseline for NearestNeighbours {
         check_table("components", &columns(&components.0), (count.max(1), length), FITTED)?;
         check_table("trials", &columns(&trials.0), (category.len(), count), FITTED)?;
         if let Some(missing) = (0..categories).find(|missing| !category.contains(missing)) {
-            return Err(Fault::new("category", format!("no trial of category {missing}"), "a trial of each"));
+            return Err(ValueFault::new("category", format!("no trial of category {missing}"), "a trial of each"));
         }
         if category.iter().any(|category| *category >= categories) {
             let found = format!("an index beyond {}", categories - 1);
-            return Err(Fault::new("category", found, "indices of categories, from 0"));
+            return Err(ValueFault::new("category", found, "indices of categories, from 0"));
         }
         Ok(())
     }

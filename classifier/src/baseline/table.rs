@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::Trial;
 
 use super::fitted::{FITTED, POSITIVE, TrialsByCategory, check_list};
-use crate::error::Fault;
+use crate::error::ValueFault;
 use crate::feature::FeatureError;
 use crate::stream_feature::{SAMPLE_COUNTS, Selection};
 
@@ -91,7 +91,7 @@ impl Standardization {
     }
 
     /// Checks numbers read from a file, for this many stream features.
-    pub(super) fn check(&self, dimension: usize) -> Result<(), Fault> {
+    pub(super) fn check(&self, dimension: usize) -> Result<(), ValueFault> {
         check_list("mean", &self.mean, dimension, FITTED)?;
         let deviations: Vec<f64> = self.standard_deviation.iter().map(|deviation| deviation.unwrap_or(1.0)).collect();
         check_list("standard_deviation", &deviations, dimension, POSITIVE)

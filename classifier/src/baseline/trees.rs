@@ -8,7 +8,7 @@ use underbrush_recording::{Sample, math};
 use super::fitted::{self, Baseline, TrialsByCategory};
 use super::table::Table;
 use crate::boosted::{Boosted, Loss, Row};
-use crate::error::{Fault, ModelError};
+use crate::error::{ModelError, ValueFault};
 use crate::stream_feature::{Selection, StreamFeatures, TAXEL_AND_REGION};
 use crate::{ClassifierKind, FeatureSet, SampleFault};
 
@@ -96,13 +96,13 @@ impl Baseline for Trees {
         Ok(Parameters { trees })
     }
 
-    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), Fault> {
+    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), ValueFault> {
         let dimension = Selection::of(self.features).dimension();
         let fits = |own: &Boosted| own.features() == dimension;
         if parameters.trees.len() != categories || !parameters.trees.iter().all(fits) {
             let found = format!("trees of {} categories", parameters.trees.len());
             let allowed = format!("trees of {categories} categories over {dimension} stream features");
-            return Err(Fault::new("trees", found, allowed));
+            return Err(ValueFault::new("trees", found, allowed));
         }
         Ok(())
     }

@@ -8,7 +8,7 @@ use underbrush_recording::{Category, math::median};
 use super::touch_object::JudgedObject;
 use super::{Interval, Record, RocCurve, bootstrap_by_reach};
 use crate::decision::Verdict;
-use crate::touch::Touch;
+use crate::touch::TouchVerdict;
 
 /// How well unknown objects are found, by the model's own decision at the end of each object. Foam blocks are left out:
 /// they belong to the environment. Intervals are 95 % intervals of the shares, from a bootstrap over reaches.
@@ -189,7 +189,7 @@ impl StiffnessFigures {
 }
 
 fn is_unknown(verdict: &str) -> bool {
-    verdict == Touch::Unknown.name(&[])
+    verdict == TouchVerdict::Unknown.name(&[])
 }
 
 /// The interval of the share of objects of which something holds.

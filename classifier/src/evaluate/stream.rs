@@ -16,8 +16,8 @@ pub const NOTHING: &str = "nothing";
 /// What counts as the truth for a taxel's verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StreamTruth {
-    /// The object that presses hardest on the taxel in this frame. A taxel that nothing presses on (crosstalk, creep)
-    /// has no truth.
+    /// The object that presses hardest on the taxel in this frame. An untouched taxel (crosstalk, creep) has no
+    /// truth.
     Object,
     /// The single category of the environment, whatever presses, as in the paper's engineered reaches (section V-B).
     Environment(Category),

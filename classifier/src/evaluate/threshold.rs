@@ -40,7 +40,7 @@ use underbrush_recording::Trial;
 
 use super::{ConfusionMatrix, EvaluateError, Evaluation, Folds, Prediction, Rates, Record, across_folds, predict};
 use crate::decision::{Decision, DecisionError, Judge, Rule};
-use crate::error::Fault;
+use crate::error::ValueFault;
 use crate::estimator::Estimator;
 
 /// The rates that thresholds must satisfy.
@@ -112,7 +112,7 @@ pub enum ThresholdError {
     Decision(#[from] DecisionError),
     /// A rate out of range.
     #[error(transparent)]
-    BadTarget(#[from] Fault),
+    BadTarget(#[from] ValueFault),
     /// Too little data for so small a rate.
     #[error(
         "only {found} held-out trials belong to other categories than {category}; a false-positive rate of {rate} needs at \
@@ -175,15 +175,15 @@ pub fn choose_thresholds(held_out: &Evaluation, targets: ThresholdTargets) -> Re
     })
 }
 
-fn check(targets: ThresholdTargets) -> Result<(), Fault> {
+fn check(targets: ThresholdTargets) -> Result<(), ValueFault> {
     let ThresholdTargets { false_positive_rate, outlier_prior } = targets;
     if !(false_positive_rate > 0.0 && false_positive_rate < 1.0) {
         let found = false_positive_rate.to_string();
-        return Err(Fault::new("the false-positive rate", found, "above 0 and below 1"));
+        return Err(ValueFault::new("the false-positive rate", found, "above 0 and below 1"));
     }
     if !(0.0..0.5).contains(&outlier_prior) {
         let allowed = "at least 0 and below 0.5; something met more often is not an outlier but a category to train";
-        return Err(Fault::new("the outlier prior", outlier_prior.to_string(), allowed));
+        return Err(ValueFault::new("the outlier prior", outlier_prior.to_string(), allowed));
     }
     Ok(())
 }

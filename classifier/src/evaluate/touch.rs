@@ -10,7 +10,7 @@ use super::confusion::{Accuracy, ConfusionMatrix};
 use super::prediction::Record;
 use super::touch_contact::{JudgedContact, OpenContact};
 use super::touch_object::{JudgedObject, OpenObject};
-use crate::touch::{Followed, TaxelTouch, Touch, TouchClassifier, TouchModel};
+use crate::touch::{Followed, TaxelTouch, TouchClassifier, TouchModel, TouchVerdict};
 use crate::trial::TrialError;
 
 /// Number of bins of the probability of the likeliest class.
@@ -37,11 +37,11 @@ impl TouchTally {
         self.right + self.wrong + self.uncertain
     }
 
-    fn count(&mut self, touch: Touch, truth: Touch) {
-        self.nothing += usize::from(touch == Touch::Nothing && truth != Touch::Nothing);
-        self.unknown += usize::from(touch == Touch::Unknown);
+    fn count(&mut self, touch: TouchVerdict, truth: TouchVerdict) {
+        self.nothing += usize::from(touch == TouchVerdict::Nothing && truth != TouchVerdict::Nothing);
+        self.unknown += usize::from(touch == TouchVerdict::Unknown);
         match touch {
-            Touch::Uncertain => self.uncertain += 1,
+            TouchVerdict::Uncertain => self.uncertain += 1,
             touch if touch == truth => self.right += 1,
             _ => self.wrong += 1,
         }
@@ -142,18 +142,18 @@ impl TouchEvaluation {
         let categories = classifier.model().categories();
         let tracker = classifier.patches().iter().find(|tracker| tracker.image.patch_index() == taxel.patch);
         let touching = tracker.and_then(|tracker| tracker.image.pressing(taxel.taxel, recording));
-        let truth = touching.map_or(Touch::Nothing, |category| {
+        let truth = touching.map_or(TouchVerdict::Nothing, |category| {
             let known = categories.iter().position(|own| own == category.name());
-            known.map_or(Touch::Unknown, Touch::Category)
+            known.map_or(TouchVerdict::Unknown, TouchVerdict::Category)
         });
         let row = match truth {
-            Touch::Nothing => 0,
-            Touch::Category(index) => index + 1,
-            Touch::Uncertain | Touch::Unknown => categories.len() + 1,
+            TouchVerdict::Nothing => 0,
+            TouchVerdict::Category(index) => index + 1,
+            TouchVerdict::Uncertain | TouchVerdict::Unknown => categories.len() + 1,
         };
         self.tallies[row].count(taxel.touch, truth);
         let probabilities = classifier.probabilities(taxel.region);
-        if truth != Touch::Unknown {
+        if truth != TouchVerdict::Unknown {
             self.calibrate(taxel.nothing, probabilities, row);
         }
         let place = (taxel.patch, taxel.taxel);

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::frequency::largest;
-use crate::touch::{TaxelTouch, Touch};
+use crate::touch::{TaxelTouch, TouchVerdict};
 use underbrush_recording::math;
 
 /// Samples in a tenth of a second, at 100 Hz.
@@ -42,12 +42,12 @@ impl OpenContact {
         OpenContact { votes, evidence, first_verdicts: vec![None; categories], ..OpenContact::default() }
     }
 
-    pub(super) fn push(&mut self, taxel: &TaxelTouch, probabilities: &[f64], truth: Touch) {
+    pub(super) fn push(&mut self, taxel: &TaxelTouch, probabilities: &[f64], truth: TouchVerdict) {
         self.samples = taxel.samples;
         match truth {
-            Touch::Category(index) => self.votes[index] += 1,
-            Touch::Unknown | Touch::Uncertain => *self.votes.last_mut().unwrap_or(&mut 0) += 1,
-            Touch::Nothing => {}
+            TouchVerdict::Category(index) => self.votes[index] += 1,
+            TouchVerdict::Unknown | TouchVerdict::Uncertain => *self.votes.last_mut().unwrap_or(&mut 0) += 1,
+            TouchVerdict::Nothing => {}
         }
         for (sum, probability) in self.evidence.iter_mut().zip(probabilities) {
             *sum += (1.0 - taxel.nothing) * math::ln(probability.max(1e-6));
@@ -56,7 +56,7 @@ impl OpenContact {
         if self.samples <= TENTH_SECOND_SAMPLES {
             self.after_tenth_second = self.likeliest;
         }
-        if let Touch::Category(index) = taxel.touch {
+        if let TouchVerdict::Category(index) = taxel.touch {
             self.first_verdicts[index].get_or_insert(self.samples);
         }
     }

@@ -6,7 +6,7 @@ use serde::Serialize;
 use underbrush_recording::Recording;
 
 use crate::touch::{
-    Followed, Mobility, ObjectTouch, Stiffness, Touch, TouchClassifier, TouchObject, Votes, strongest,
+    Followed, Mobility, ObjectTouch, Stiffness, TouchClassifier, TouchObject, TouchVerdict, Votes, strongest,
     true_stiffness_n_per_m,
 };
 
@@ -68,7 +68,7 @@ pub struct JudgedObject {
 pub(super) struct OpenObject {
     judged: JudgedObject,
     /// The last verdict on each of its contacts, by patch and number.
-    contacts: BTreeMap<(usize, u64), Touch>,
+    contacts: BTreeMap<(usize, u64), TouchVerdict>,
     /// The frame in which its force was largest.
     peak_frame: usize,
     is_judged: bool,
@@ -152,7 +152,7 @@ impl OpenObject {
             true_object,
             true_stiffness_n_per_m: true_stiffness_n_per_m(recording, self.peak_frame, true_object),
             contacts: self.contacts.len(),
-            contacts_called_unknown: self.contacts.values().filter(|touch| **touch == Touch::Unknown).count(),
+            contacts_called_unknown: self.contacts.values().filter(|touch| **touch == TouchVerdict::Unknown).count(),
             force_n: [votes.values().sum(), own_n],
             pressed_by: votes.into_keys().collect(),
             ..self.judged

@@ -9,7 +9,7 @@ use underbrush_recording::{InputError, Limits};
 
 use super::HmmClassifier;
 use crate::Document;
-use crate::error::{Fault, check_limits};
+use crate::error::{ValueFault, check_limits};
 use crate::feature::{FEATURES, FeatureSet, Scaling, feature_list_schema};
 use crate::hmm::{GaussianHmm, HmmParameters, InitialDistribution, Stop, Topology, TrainingHistory};
 use crate::recipe::{Recipe, STATES, ScalingKind};
@@ -77,7 +77,7 @@ const LOG_LIKELIHOOD: Limits = Limits::new(-1e55, 1e55, "nats");
 const FALL: Limits = Limits::new(0.0, LOG_LIKELIHOOD.max, "nats");
 
 /// Checks the numbers of models that were read from a file, and that its parts agree.
-fn check(classifier: &HmmClassifier) -> Result<(), Fault> {
+fn check(classifier: &HmmClassifier) -> Result<(), ValueFault> {
     for (category, scorer) in classifier.models() {
         model_numbers(category, &scorer.model)?;
     }
@@ -91,7 +91,7 @@ fn check(classifier: &HmmClassifier) -> Result<(), Fault> {
     agreement(classifier)
 }
 
-fn model_numbers(category: &str, model: &GaussianHmm) -> Result<(), Fault> {
+fn model_numbers(category: &str, model: &GaussianHmm) -> Result<(), ValueFault> {
     let parameters = model.parameters();
     check_limits(format!("models.{category}.initial"), model.states as f64, STATES)?;
     for (state, mean) in parameters.mean.iter().enumerate() {
@@ -106,12 +106,12 @@ fn model_numbers(category: &str, model: &GaussianHmm) -> Result<(), Fault> {
     Ok(())
 }
 
-fn scaling_numbers(scaling: &Scaling, features: FeatureSet) -> Result<(), Fault> {
+fn scaling_numbers(scaling: &Scaling, features: FeatureSet) -> Result<(), ValueFault> {
     for (key, values) in [("mean", &scaling.mean), ("standard_deviation", &scaling.standard_deviation)] {
         let field = format!("scaling.{key}");
         if values.len() != features.dimension() {
             let found = format!("{} numbers", values.len());
-            return Err(Fault::new(field, found, format!("{}, one per feature", features.dimension())));
+            return Err(ValueFault::new(field, found, format!("{}, one per feature", features.dimension())));
         }
         for (feature, value) in features.iter().zip(values) {
             // A mean lies within the range of its feature, and a deviation is not larger than that range.
@@ -123,7 +123,7 @@ fn scaling_numbers(scaling: &Scaling, features: FeatureSet) -> Result<(), Fault>
     Ok(())
 }
 
-fn training_numbers(training: &BTreeMap<String, TrainingHistory>) -> Result<(), Fault> {
+fn training_numbers(training: &BTreeMap<String, TrainingHistory>) -> Result<(), ValueFault> {
     for (category, history) in training {
         let field = format!("training.{category}.log_likelihood");
         history.log_likelihood.iter().try_for_each(|value| check_limits(&field, *value, LOG_LIKELIHOOD))?;
@@ -135,9 +135,9 @@ fn training_numbers(training: &BTreeMap<String, TrainingHistory>) -> Result<(), 
 }
 
 /// The recipe describes how the models were made, so it must agree with them.
-fn agreement(classifier: &HmmClassifier) -> Result<(), Fault> {
+fn agreement(classifier: &HmmClassifier) -> Result<(), ValueFault> {
     let Some(recipe) = &classifier.recipe else { return Ok(()) };
-    let fault = |key: &str, found: String, allowed: String| Fault::new(format!("recipe.{key}"), found, allowed);
+    let fault = |key: &str, found: String, allowed: String| ValueFault::new(format!("recipe.{key}"), found, allowed);
     if recipe.features != classifier.features {
         let (found, allowed) = (recipe.features.columns().join(", "), classifier.features.columns().join(", "));
         return Err(fault("features", found, format!("{allowed}, the features of the models")));

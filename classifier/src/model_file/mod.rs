@@ -16,7 +16,7 @@ use underbrush_recording::{InputError, Limits};
 
 use crate::decision::{Decision, PRIOR, Rule};
 use crate::document::{Document, FORMAT};
-use crate::error::{Fault, ModelError, check_limits};
+use crate::error::{ModelError, ValueFault, check_limits};
 use crate::hmm_classifier::{self, HmmClassifier};
 use crate::provenance::{DataSource, Provenance};
 use crate::registry::{self, CLASSIFIERS};
@@ -245,7 +245,7 @@ fn check_decision(document: &Document, decision: &Decision, categories: &[String
     Ok(())
 }
 
-fn numbers(decision: &Decision) -> Result<(), Fault> {
+fn numbers(decision: &Decision) -> Result<(), ValueFault> {
     let mut priors = decision.prior.iter();
     priors.try_for_each(|(category, prior)| check_limits(format!("prior.{category}"), *prior, PRIOR))?;
     let margins = match decision.rule {

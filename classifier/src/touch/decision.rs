@@ -5,22 +5,22 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::limits::SHARE;
 
 use super::object::stage;
-use crate::error::{Fault, check_limits};
+use crate::error::{ValueFault, check_limits};
 use crate::frequency::largest;
 
 /// The cost of an uncertain verdict, relative to that of a wrong one, and two limits.
 ///
 /// ```
-/// use underbrush_classifier::touch::{Touch, TouchDecision};
+/// use underbrush_classifier::touch::{TouchDecision, TouchVerdict};
 ///
 /// let decision = TouchDecision::default();
 /// // A category needs a probability above 0.7.
-/// assert_eq!(decision.of_region(&[0.2, 0.8], 0.5, 300), Touch::Category(1));
-/// assert_eq!(decision.of_region(&[0.4, 0.6], 0.5, 300), Touch::Uncertain);
+/// assert_eq!(decision.of_region(&[0.2, 0.8], 0.5, 300), TouchVerdict::Category(1));
+/// assert_eq!(decision.of_region(&[0.4, 0.6], 0.5, 300), TouchVerdict::Uncertain);
 /// // Fewer than one known object in twenty is as unlike what is known.
-/// assert_eq!(decision.of_region(&[0.1, 0.9], 0.03, 300), Touch::Unknown);
+/// assert_eq!(decision.of_region(&[0.1, 0.9], 0.03, 300), TouchVerdict::Unknown);
 /// // In the first 0.6 s fewer than one in a hundred must be.
-/// assert_eq!(decision.of_region(&[0.1, 0.9], 0.03, 30), Touch::Category(1));
+/// assert_eq!(decision.of_region(&[0.1, 0.9], 0.03, 30), TouchVerdict::Category(1));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -54,16 +54,17 @@ impl Default for TouchDecision {
 /// of 4.2 % are wrong, and at the end up to three points fewer unknown objects are found.
 pub(super) const EARLY: f64 = 5.0;
 
-/// What touches a taxel or a region.
+/// The verdict on a taxel or a region: what touches it.
 ///
 /// ```
-/// use underbrush_classifier::touch::Touch;
+/// use underbrush_classifier::touch::TouchVerdict;
 ///
 /// let categories = ["leaf".to_owned(), "trunk".to_owned()];
-/// assert_eq!([Touch::Category(1), Touch::Nothing].map(|touch| touch.name(&categories)), ["trunk", "nothing"]);
+/// let verdicts = [TouchVerdict::Category(1), TouchVerdict::Nothing];
+/// assert_eq!(verdicts.map(|verdict| verdict.name(&categories)), ["trunk", "nothing"]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Touch {
+pub enum TouchVerdict {
     /// Nothing: a spurious reading.
     Nothing,
     /// The known category with this index.
@@ -74,17 +75,17 @@ pub enum Touch {
     Unknown,
 }
 
-impl Touch {
+impl TouchVerdict {
     /// The name of the verdict, for a model with these categories: `nothing`, a category, `uncertain` or `unknown`.
     ///
     /// # Panics
     /// If there is no category with the verdict's index.
     pub fn name<'a>(&self, categories: &'a [String]) -> &'a str {
         match self {
-            Touch::Nothing => "nothing",
-            Touch::Category(index) => &categories[*index],
-            Touch::Uncertain => "uncertain",
-            Touch::Unknown => "unknown",
+            TouchVerdict::Nothing => "nothing",
+            TouchVerdict::Category(index) => &categories[*index],
+            TouchVerdict::Uncertain => "uncertain",
+            TouchVerdict::Unknown => "unknown",
         }
     }
 }
@@ -92,22 +93,22 @@ impl Touch {
 impl TouchDecision {
     /// The verdict on a region that something touches, from the `probabilities` of the known categories, the share of known
     /// objects that are as unlike as its object, and the number of samples in which this object was felt well enough.
-    pub fn of_region(&self, probabilities: &[f64], share_beyond: f64, samples: usize) -> Touch {
+    pub fn of_region(&self, probabilities: &[f64], share_beyond: f64, samples: usize) -> TouchVerdict {
         let best = largest(probabilities.iter().copied().enumerate());
-        best.map_or(Touch::Uncertain, |(index, probability)| self.of(index, probability, share_beyond, samples))
+        best.map_or(TouchVerdict::Uncertain, |(index, probability)| self.of(index, probability, share_beyond, samples))
     }
 
     /// The verdict, from the likeliest known category and its probability.
-    pub(super) fn of(&self, likeliest: usize, probability: f64, share_beyond: f64, samples: usize) -> Touch {
+    pub(super) fn of(&self, likeliest: usize, probability: f64, share_beyond: f64, samples: usize) -> TouchVerdict {
         let share = if stage(samples) == 0 { f64::min(EARLY * share_beyond, 1.0) } else { share_beyond };
         match share <= self.unknown_share {
-            true => Touch::Unknown,
-            false if probability > 1.0 - self.cost_of_uncertain => Touch::Category(likeliest),
-            false => Touch::Uncertain,
+            true => TouchVerdict::Unknown,
+            false if probability > 1.0 - self.cost_of_uncertain => TouchVerdict::Category(likeliest),
+            false => TouchVerdict::Uncertain,
         }
     }
 
-    pub(super) fn check(&self) -> Result<(), Fault> {
+    pub(super) fn check(&self) -> Result<(), ValueFault> {
         check_limits("nothing_above", self.nothing_above, SHARE)?;
         check_limits("unknown_share", self.unknown_share, SHARE)?;
         check_limits("cost_of_uncertain", self.cost_of_uncertain, SHARE)

@@ -8,7 +8,7 @@ use underbrush_recording::math;
 use super::example::Examples;
 use super::network::{Network, Row, softmax};
 use super::training_rows::TouchExamples;
-use crate::error::{Fault, ModelError};
+use crate::error::{ModelError, ValueFault};
 use crate::frequency::largest;
 
 /// At most this share of true contacts may be called nothing in held-out reaches. Choice: a little less than the 2 %
@@ -109,7 +109,7 @@ pub(super) fn lapses(regions: &[&Judged], sharpness: f64) -> Vec<Lapse> {
 /// [`ModelError::BadOption`] for a share that is not between 0 and 1, and [`ModelError::FewReaches`] for too few reaches.
 pub fn check_share(share: f64, reaches: usize) -> Result<(), ModelError> {
     if !(share > 0.0 && share < 1.0) {
-        return Err(Fault::new("limit_wrong", share.to_string(), "a share above 0 and below 1").into());
+        return Err(ValueFault::new("limit_wrong", share.to_string(), "a share above 0 and below 1").into());
     }
     let needed = (1.0 / share - 1.0).ceil() as usize;
     if reaches < needed {

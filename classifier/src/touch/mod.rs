@@ -33,7 +33,7 @@ mod region;
 mod training_rows;
 
 pub use contact_history::{Course, Measure, REGION_FEATURE_COUNT, REGION_FEATURES};
-pub use decision::{Touch, TouchDecision};
+pub use decision::{TouchDecision, TouchVerdict};
 pub use frame::{SkinTracker, TAXEL_FEATURE_COUNT, TaxelCourse, TouchOptions};
 pub use held_out::check_share;
 pub use model::{TOUCH_FORMAT, TouchModel};

@@ -8,7 +8,7 @@ use underbrush_recording::{Frame, SkinLayout, math};
 
 use super::batch_scores::FeatureRows;
 use super::contact_history::{Course, REGION_FEATURE_COUNT};
-use super::decision::Touch;
+use super::decision::TouchVerdict;
 use super::frame::{SkinTracker, TAXEL_FEATURE_COUNT, TaxelCourse};
 use super::model::TouchModel;
 use super::network::softmax;
@@ -30,7 +30,7 @@ pub struct TaxelTouch {
     /// Probability that nothing presses on it.
     pub nothing: f64,
     /// The verdict: nothing, or the verdict on its region.
-    pub touch: Touch,
+    pub touch: TouchVerdict,
 }
 
 /// What touches a region.
@@ -50,7 +50,7 @@ pub struct RegionTouch {
     pub share_beyond: f64,
     /// The verdict: nothing if all its taxels are called nothing; otherwise unknown if its object is, or else what its
     /// probabilities say.
-    pub touch: Touch,
+    pub touch: TouchVerdict,
 }
 
 /// What an object is.
@@ -69,7 +69,7 @@ pub struct ObjectTouch {
     /// the model lacks such trees.
     pub learnt_stiffness: Option<Stiffness>,
     /// The verdict.
-    pub touch: Touch,
+    pub touch: TouchVerdict,
 }
 
 impl ObjectTouch {
@@ -272,7 +272,7 @@ impl TouchClassifier {
                 frames: 0,
                 share_beyond: 1.0,
                 learnt_stiffness: None,
-                touch: Touch::Uncertain,
+                touch: TouchVerdict::Uncertain,
             });
             self.weights_n.push(0.0);
             self.evidence.extend(iter::repeat_n(0.0, count));
@@ -305,7 +305,7 @@ impl TouchClassifier {
                         samples: tracker.samples(taxel),
                         region: index,
                         nothing,
-                        touch: if is_nothing { Touch::Nothing } else { verdict },
+                        touch: if is_nothing { TouchVerdict::Nothing } else { verdict },
                     });
                 }
                 self.regions.push(RegionTouch {
@@ -315,7 +315,7 @@ impl TouchClassifier {
                     samples: region.course.samples(),
                     taxels: [tracker.taxels(region).len(), touched_taxels],
                     share_beyond,
-                    touch: if touched_taxels == 0 { Touch::Nothing } else { verdict },
+                    touch: if touched_taxels == 0 { TouchVerdict::Nothing } else { verdict },
                 });
             }
         }

@@ -7,7 +7,7 @@ use underbrush_recording::{Grid, Recording, Region, Sample};
 use super::image::PatchImage;
 use super::trial_list::{ContactTrial, OpenTrial, TrialList, knows_truth};
 use super::{TrialError, TrialOptions};
-use crate::error::Fault;
+use crate::error::ValueFault;
 
 /// One contact region of one frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,7 +125,7 @@ pub fn component_trials(recording: &Recording, options: &TrialOptions) -> Result
     let reach = options.association_distance_m;
     if !reach.is_finite() || reach < 0.0 {
         let allowed = "a finite distance from 0 m";
-        return Err(Fault::new("association_distance_m", reach.to_string(), allowed).into());
+        return Err(ValueFault::new("association_distance_m", reach.to_string(), allowed).into());
     }
     let mut image = PatchImage::new(&recording.layout, options.patch.as_deref(), options.threshold_n)?;
     let grid = grid(&image, options.wrap)?;

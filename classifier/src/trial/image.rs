@@ -4,7 +4,7 @@ use glam::DVec3;
 use underbrush_recording::{Category, Frame, Patch, Pose, Recording, SkinLayout, TaxelReading};
 
 use super::TrialError;
-use crate::error::Fault;
+use crate::error::ValueFault;
 
 /// The sensed forces and taxel positions of one patch in the most recently read frame. Reading does not allocate.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ impl PatchImage {
     pub fn new(layout: &SkinLayout, patch: Option<&str>, threshold_n: f64) -> Result<Self, TrialError> {
         if !threshold_n.is_finite() || threshold_n < 0.0 {
             let allowed = "a finite force from 0 N";
-            return Err(Fault::new("threshold_n", threshold_n.to_string(), allowed).into());
+            return Err(ValueFault::new("threshold_n", threshold_n.to_string(), allowed).into());
         }
         let patch_index = layout.chosen_patch(patch).ok_or_else(|| match patch {
             Some(name) if !layout.patches.is_empty() => TrialError::UnknownPatch {

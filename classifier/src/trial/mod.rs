@@ -10,7 +10,7 @@ use thiserror::Error;
 use trial_list::{OpenTrial, TrialList, knows_truth};
 use underbrush_recording::{Recording, Sample};
 
-use crate::error::Fault;
+use crate::error::ValueFault;
 
 pub use component::component_trials;
 pub(crate) use component::{Regions, neighbours_of_patch};
@@ -140,7 +140,7 @@ pub enum TrialError {
     },
     /// An option is out of range.
     #[error(transparent)]
-    BadOption(#[from] Fault),
+    BadOption(#[from] ValueFault),
     /// A frame does not fit the layout, or contains NaN or infinity.
     #[error("frame {frame} (counted from 0): {found}; allowed: {allowed}; repair or drop the recording")]
     BadFrame {

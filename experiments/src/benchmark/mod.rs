@@ -32,7 +32,7 @@ pub use crate::resampled::{Estimate, Halves, Ranking};
 pub use judged_model::JudgedModel;
 pub(crate) use reaching::Reach;
 pub use reaching::Reaching;
-pub use row::{EntryRecord, Figures, Row, SceneRecord, SetRecord};
+pub use row::{BenchmarkRow, EntryRecord, SceneRecord, SetRecord, TrackFigures};
 pub use transfer::{Transfer, TransferTo};
 pub use verdicts::{ObjectFigures, UnknownIn, Verdicts, VerdictsAt};
 
@@ -162,7 +162,7 @@ impl Entry {
     /// # Errors
     /// If a reach fails, a file cannot be read or written, the model does not suit the skin, or the row of another
     /// model is in the row's place.
-    pub fn run(&self, folder: &Path, quick: bool, progress: &dyn Progress) -> Result<Row, Fault> {
+    pub fn run(&self, folder: &Path, quick: bool, progress: &dyn Progress) -> Result<BenchmarkRow, Fault> {
         let planned = self.sets(quick)?;
         let entry = self.record(&planned)?;
         let kind = if quick { "quick-rows" } else { "rows" };
@@ -176,7 +176,7 @@ impl Entry {
         }
         progress.stage("Figures");
         let record = |(name, dataset): &(String, Dataset)| SetRecord::of(name, dataset);
-        let row = Row {
+        let row = BenchmarkRow {
             benchmark: frozen::NAME.into(),
             track: self.track().into(),
             complete: !quick,
@@ -206,7 +206,7 @@ impl Entry {
         })
     }
 
-    fn figures(&self, sets: &[(String, Dataset)], progress: &dyn Progress) -> Result<Figures, Fault> {
+    fn figures(&self, sets: &[(String, Dataset)], progress: &dyn Progress) -> Result<TrackFigures, Fault> {
         let judged = |(_, set): &(String, Dataset), model: &JudgedModel| {
             each_episode(set, progress, |_, recording| Ok((recording.scene.clone(), model.judge(recording)?)))
         };
@@ -218,7 +218,7 @@ impl Entry {
                 let nothing = FittedNothing::fit(&frames);
                 let ranking = verdicts::ranking([&public, &audit]);
                 let [public, audit] = [public, audit].map(|half| verdicts::figures(&half, nothing));
-                Figures::Verdicts(Halves { ranking, public, audit })
+                TrackFigures::Verdicts(Halves { ranking, public, audit })
             }
             Entry::Transfer(model) => {
                 let of_set = |set| Ok(judged(set, model)?.iter().map(|(_, reach)| reach.at_end()).collect());
@@ -226,7 +226,7 @@ impl Entry {
                 let (public, audit) = settings.split_at(frozen::SETTINGS.len());
                 let ranking = transfer::ranking([public, audit]);
                 let [public, audit] = [public, audit].map(transfer::figures);
-                Figures::Transfer(Halves { ranking, public, audit })
+                TrackFigures::Transfer(Halves { ranking, public, audit })
             }
             Entry::Reaching(_) => {
                 let goals = frozen::scene(frozen::REACHING_SCENE)?.file.goals.number();
@@ -235,7 +235,7 @@ impl Entry {
                 let [public, audit] = [of_set(&sets[0])?, of_set(&sets[1])?];
                 let ranking = reaching::ranking([&public, &audit]);
                 let [public, audit] = [public, audit].map(|half| reaching::figures(&half));
-                Figures::Reaching(Halves { ranking, public, audit })
+                TrackFigures::Reaching(Halves { ranking, public, audit })
             }
         })
     }

@@ -10,7 +10,7 @@ use super::{Halves, Reaching, Transfer, Verdicts, frozen};
 
 /// A row. It holds no times and no paths, so the same entry gives the same bytes on every machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub struct BenchmarkRow {
     /// Name of the benchmark.
     pub benchmark: String,
     /// Name of the track.
@@ -28,7 +28,7 @@ pub struct Row {
     /// The data that the entry was judged on.
     pub sets: Vec<SetRecord>,
     /// The figures.
-    pub figures: Figures,
+    pub figures: TrackFigures,
 }
 
 /// What was judged.
@@ -72,7 +72,7 @@ pub struct SceneRecord {
 /// The figures of a track.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Figures {
+pub enum TrackFigures {
     /// The figures of track 1.
     Verdicts(Halves<Verdicts>),
     /// The figures of track 2.

@@ -148,8 +148,8 @@ fn a_row_of_version_1_is_read() {
                 "scenes": [{{ "name": "leaf", "reaches": 40, "blake3": "89" }}] }}],
             "figures": {{ "verdicts": {{ "contacts": {{ "leaf": 7 }}, "moments": [{moment}] }} }} }}"#
     );
-    let row: Row = serde_json::from_str(&text).unwrap();
-    let Figures::Earlier(figures) = &row.figures else { panic!("{row:?}") };
+    let row: BenchmarkRow = serde_json::from_str(&text).unwrap();
+    let TrackFigures::Earlier(figures) = &row.figures else { panic!("{row:?}") };
     assert_eq!(figures["verdicts"]["moments"][0]["leaf_or_trunk"]["value"], 0.5);
     assert_eq!(serde_json::to_value(&row).unwrap(), serde_json::from_str::<serde_json::Value>(&text).unwrap());
 }

@@ -39,7 +39,7 @@ pub struct Engineered {
 /// Summarizes the verdicts of each reach.
 pub fn run(session: &Session) -> Result<EngineeredReaches, Fault> {
     let (tested, online) = (session.once(reaches::run)?, session.once(frame_verdicts::run)?);
-    let one = |((category, found), reach): (&(Category, Found), &frame_verdicts::Engineered)| {
+    let one = |((category, found), reach): (&(Category, Found), &frame_verdicts::EngineeredVerdicts)| {
         let own = reach.by_scene.as_ref();
         Engineered {
             scene: found.scene.clone(),

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use underbrush_classifier::decision::Verdict;
 use underbrush_classifier::evaluate::{JudgedObject, NOTHING, Stream, Tally};
-use underbrush_classifier::touch::Touch;
+use underbrush_classifier::touch::TouchVerdict;
 use underbrush_recording::math::median;
 use underbrush_recording::{Category, ContactForces, Recording};
 use underbrush_sim::audit;
@@ -270,7 +270,7 @@ fn share_called(reach: &Measured, category: Category, verdict: &str) -> Option<f
 fn objects_called_unknown(reach: &Measured, category: Option<Category>) -> Option<f64> {
     let category = category?;
     let own: Vec<&JudgedObject> = reach.objects.iter().filter(|own| own.truth == category.name()).collect();
-    let called = own.iter().filter(|own| own.at_end == Touch::Unknown.name(&[])).count();
+    let called = own.iter().filter(|own| own.at_end == TouchVerdict::Unknown.name(&[])).count();
     (!own.is_empty()).then(|| called as f64 / own.len() as f64)
 }
 

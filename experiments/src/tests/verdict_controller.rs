@@ -2,10 +2,10 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use serde_json::{Value, json};
-use underbrush_classifier::touch::{REGION_FEATURE_COUNT, TAXEL_FEATURE_COUNT, TOUCH_FORMAT, Touch};
+use underbrush_classifier::touch::{REGION_FEATURE_COUNT, TAXEL_FEATURE_COUNT, TOUCH_FORMAT, TouchVerdict};
 use underbrush_recording::{Frame, Recording};
 use underbrush_sim::controller::{
-    AllowedForces, Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact, Touched, Verdict,
+    AllowedForces, ContactVerdict, Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact, Touched,
 };
 use underbrush_sim::{Arm, ReachPlan, Scene};
 
@@ -26,15 +26,15 @@ fn constant(inputs: usize, scores: [f64; 2]) -> Value {
 }
 
 /// A model that gives every taxel in contact the same verdict.
-fn always(touch: Touch) -> VerdictControl {
-    let touched = [if touch == Touch::Nothing { 9.0 } else { -9.0 }, 0.0];
+fn always(touch: TouchVerdict) -> VerdictControl {
+    let touched = [if touch == TouchVerdict::Nothing { 9.0 } else { -9.0 }, 0.0];
     let category = match touch {
-        Touch::Category(0) => [9.0, 0.0],
-        Touch::Category(_) => [0.0, 9.0],
+        TouchVerdict::Category(0) => [9.0, 0.0],
+        TouchVerdict::Category(_) => [0.0, 9.0],
         _ => [0.0, 0.0],
     };
     // Everything is at least as unlike what is known as this share of the known objects, or nothing is.
-    let unknown_share = if touch == Touch::Unknown { 1.0 } else { 0.0 };
+    let unknown_share = if touch == TouchVerdict::Unknown { 1.0 } else { 0.0 };
     let model = json!({
         "format": TOUCH_FORMAT,
         "options": { "threshold_n": 0.03 },
@@ -115,7 +115,7 @@ fn each_verdict_has_its_limit() {
         (Touched::Uncertain, Some(3.5)),
         (Touched::Unknown, Some(1.25)),
     ] {
-        let verdict = Some(Verdict { touched, probability: 0.9 });
+        let verdict = Some(ContactVerdict { touched, probability: 0.9 });
         let judged = applied(verdict.clone());
         let expected = expected.map(|limit_n| TaxelContact {
             allowed_force_n: Some(limit_n),
@@ -137,14 +137,15 @@ fn contacts_get_the_limits_of_their_verdicts() {
     let judged = |contact: &&TaxelContact| contact.patch == 0 && contact.force_n > 0.03;
     assert!(usual.iter().filter(judged).count() > 100 && usual.iter().any(|contact| contact.patch == 1));
 
-    let (mut uncertain, same) = run(Some(&always(Touch::Uncertain)));
+    let (mut uncertain, same) = run(Some(&always(TouchVerdict::Uncertain)));
     assert_eq!(uncertain.controller, "cody-2013+verdicts");
     uncertain.controller.clone_from(&plain.controller);
     let unjudged: Vec<TaxelContact> =
         same.into_iter().map(|contact| TaxelContact { verdict: None, ..contact }).collect();
     assert!(uncertain == plain && unjudged == usual);
 
-    let limits = [(Touch::Category(0), Some(6.0)), (Touch::Category(1), Some(1.5)), (Touch::Unknown, None)];
+    let limits =
+        [(TouchVerdict::Category(0), Some(6.0)), (TouchVerdict::Category(1), Some(1.5)), (TouchVerdict::Unknown, None)];
     for (touch, expected) in limits {
         let (_, contacts) = run(Some(&always(touch)));
         assert!(contacts.iter().filter(judged).count() > 100);
@@ -153,7 +154,7 @@ fn contacts_get_the_limits_of_their_verdicts() {
             assert_eq!(contact.allowed_force_n, limit, "{touch:?}, {contact:?}");
         }
     }
-    let (_, contacts) = run(Some(&always(Touch::Nothing)));
+    let (_, contacts) = run(Some(&always(TouchVerdict::Nothing)));
     assert!(!contacts.is_empty() && !contacts.iter().any(|contact| judged(&contact)));
 }
 
@@ -161,7 +162,7 @@ fn contacts_get_the_limits_of_their_verdicts() {
 /// trunks changes the reach.
 #[test]
 fn reaches_with_verdicts_repeat() {
-    let verdicts = always(Touch::Category(1));
+    let verdicts = always(TouchVerdict::Category(1));
     let plan = verdicts.applied_to(plan()).unwrap();
     let first = plan.run(0, &mut |_| {}).unwrap();
     assert!(plan.run(0, &mut |_| {}).unwrap() == first);
@@ -193,7 +194,7 @@ fn true_categories_are_told_when_asked() {
 /// Tests that verdicts are refused for a controller that ignores contacts, and for a skin without the model's patch.
 #[test]
 fn verdicts_need_contacts_and_their_patch() {
-    let verdicts = always(Touch::Uncertain);
+    let verdicts = always(TouchVerdict::Uncertain);
     let scene = plan().scene;
     let blind = ReachPlan::new(scene.clone(), Some(ControllerKind::Blind), 1).unwrap();
     assert!(verdicts.applied_to(blind).unwrap_err().to_string().contains("blind"));

@@ -14,7 +14,7 @@ before(async () => {
 });
 after(() => finishAll(browser));
 
-/** Pins that axe-core finds nothing at three sizes in both themes, that nothing is wider than the screen, and that the page
+/** Tests that axe-core finds nothing at three sizes in both themes, that nothing is wider than the screen, and that the page
  * asks no other host. */
 test("axe-core finds nothing at any size or theme", async () => {
   for (const width of [390, 1100, 1920]) {
@@ -30,7 +30,7 @@ test("axe-core finds nothing at any size or theme", async () => {
   }
 });
 
-/** Pins that nothing is wider than its place after the window has become narrower, as the 3-D view once was. */
+/** Tests that nothing is wider than its place after the window has become narrower, as the 3-D view once was. */
 test("the page follows a narrower window", async () => {
   const page = await open(browser, server.address);
   await ready(page);
@@ -45,7 +45,7 @@ test("the page follows a narrower window", async () => {
   await page.context().close();
 });
 
-/** Pins that a page in the dark theme is printed in light colours, with a picture of the 3-D view, and is dark again afterwards. */
+/** Tests that a page in the dark theme is printed in light colours, with a picture of the 3-D view, and is dark again afterwards. */
 test("print is light and has the 3-D view", async () => {
   const page = await open(browser, `${server.address}#reach=0&t=3`, { colorScheme: "dark" });
   await ready(page);
@@ -79,7 +79,7 @@ test("print is light and has the 3-D view", async () => {
   await page.context().close();
 });
 
-/** Pins that the list of trials, the help and two reaches side by side are accessible too. */
+/** Tests that the list of trials, the help and two reaches side by side are accessible too. */
 test("other states of the page are accessible", async () => {
   const page = await open(browser, `${server.address}#reach=0&beside=1&t=4`, { bypassCSP: true });
   await ready(page);
@@ -92,7 +92,7 @@ test("other states of the page are accessible", async () => {
   await page.context().close();
 });
 
-/** Pins that a browser without WebGL says so and still has maps, strips and plots. */
+/** Tests that a browser without WebGL says so and still has maps, strips and plots. */
 test("without WebGL the maps and plots remain", async () => {
   const plain = await launch("--disable-3d-apis");
   const page = await open(plain, server.address);
@@ -108,7 +108,7 @@ test("without WebGL the maps and plots remain", async () => {
   await plain.close();
 });
 
-/** Pins that the single file opens from disk and shows the same, without any request. */
+/** Tests that the single file opens from disk and shows the same, without any request. */
 test("the single file opens from disk", async () => {
   program("replay", file("trunk.parquet"), "--out", file("trunk.html"));
   const page = await open(browser, `file://${file("trunk.html")}`);

@@ -9,7 +9,7 @@ const { begin, end, start } = mixedSite();
 before(begin);
 after(end);
 
-/** Pins the step, first and last buttons and their keys, and that neither end can be passed. */
+/** Tests the step, first and last buttons and their keys, and that neither end can be passed. */
 test("steps by mouse and keyboard", async () => {
   const page = await start();
   const press = async (key) => { await page.keyboard.press(key); await settle(page); return (await state(page)).frame; };
@@ -34,7 +34,7 @@ test("steps by mouse and keyboard", async () => {
   await finish(page);
 });
 
-/** Pins that playing moves time at the chosen rate, stops at the end and begins anew from there. */
+/** Tests that playing moves time at the chosen rate, stops at the end and begins anew from there. */
 test("plays at a rate and stops at the end", async () => {
   const page = await start();
   await page.locator("#rate").selectOption("10");
@@ -58,7 +58,7 @@ test("plays at a rate and stops at the end", async () => {
   await finish(page);
 });
 
-/** Pins that jumps go to the contacts, peaks, goals and mistakes that the data hold, forwards and back. */
+/** Tests that jumps go to the contacts, peaks, goals and mistakes that the data hold, forwards and back. */
 test("jumps to contacts, peaks, goals and mistakes", async () => {
   const { recording, rows } = await readRecording("mixed.parquet");
   const page = await start();
@@ -118,7 +118,7 @@ test("jumps to contacts, peaks, goals and mistakes", async () => {
   await finish(page);
 });
 
-/** Pins that the list of reaches sorts, filters and opens, and that a second reach stands beside the first, locked in time. */
+/** Tests that the list of reaches sorts, filters and opens, and that a second reach stands beside the first, locked in time. */
 test("reaches are listed, filtered, opened and compared", async () => {
   const page = await start();
   const names = () => page.locator("#panel-reaches tbody tr td:nth-child(2)").allTextContents();
@@ -174,7 +174,7 @@ test("the error of a reach that nobody waits for is not told", async () => {
   await finish(page);
 });
 
-/** Pins that of a list of a thousand reaches one page is shown, that its buttons turn pages, that sorting starts from the first
+/** Tests that of a list of a thousand reaches one page is shown, that its buttons turn pages, that sorting starts from the first
  * page, and that the page with a reach is shown when that reach is opened. */
 test("long lists are shown by pages", async () => {
   const page = await start("", { before: makeListLong });
@@ -215,7 +215,7 @@ function makeListLong() {
   };
 }
 
-/** Pins that a click on strips and plots goes to that time, that the choice of reach and its buttons open reaches, and that the
+/** Tests that a click on strips and plots goes to that time, that the choice of reach and its buttons open reaches, and that the
  * tabs and rows of the lists work by keyboard. */
 test("strips, plots, reach buttons, tabs and links", async () => {
   const page = await start();
@@ -293,7 +293,7 @@ test("a table is scrolled by keyboard", async () => {
   await finish(page);
 });
 
-/** Pins that the theme can be chosen, and that the list of keys opens and closes by keyboard. */
+/** Tests that the theme can be chosen, and that the list of keys opens and closes by keyboard. */
 test("theme and help", async () => {
   const page = await start();
   const ground = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);

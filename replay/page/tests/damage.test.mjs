@@ -44,7 +44,7 @@ function withBytes(text, change) {
   return withCompressed(text, (bytes) => deflateSync(change(inflateSync(bytes))));
 }
 
-/** Pins the message for a file that was cut off in its data, as by a full disk or a broken download. */
+/** Tests the message for a file that was cut off in its data, as by a full disk or a broken download. */
 test("a file that is cut off says so", async () => {
   for (const share of [0.6, 0.9]) {
     const text = await messageOf("cut", (text) => {
@@ -66,7 +66,7 @@ test("a file that is cut off in the script says so", async () => {
   await page.context().close();
 });
 
-/** Pins the messages for data with a flipped bit anywhere, of another version, and of another kind. */
+/** Tests the messages for data with a flipped bit anywhere, of another version, and of another kind. */
 test("damaged and foreign data are refused", async () => {
   for (const place of [13, 30, 5000, -1]) {
     const flipped = await messageOf("flipped", (text) => withBytes(text, (bytes) => {
@@ -87,7 +87,7 @@ test("damaged and foreign data are refused", async () => {
   assert.match(await messageOf("torn", (text) => text.replace(DATA, `${DATA}§§§`)), /damaged/);
 });
 
-/** Pins that a data set that was damaged after the server had opened it gives the program's message for that reach, and that
+/** Tests that a data set that was damaged after the server had opened it gives the program's message for that reach, and that
  * the other reach still opens. */
 test("a data set that is damaged while it is served says so", async () => {
   cpSync(file("set"), file("torn-set"), { recursive: true });
@@ -111,7 +111,7 @@ test("a data set that is damaged while it is served says so", async () => {
   rmSync(file("torn-set"), { recursive: true });
 });
 
-/** Pins that a reach that does not exist, and a server that has ended, are messages too. */
+/** Tests that a reach that does not exist, and a server that has ended, are messages too. */
 test("an address that leads nowhere says so", async () => {
   const server = await serve(file("trunk.parquet"));
   const page = await open(browser, `${server.address}#reach=7`);

@@ -48,7 +48,7 @@ function near(found, expected, tolerance, what) {
   found.forEach((value, index) => assert.ok(Math.abs(value - expected[index]) <= tolerance, `${what}: ${found} is not ${expected}`));
 }
 
-/** Pins that every taxel of a map has the colour of the force that the file stores for it, and an empty one the empty colour. */
+/** Tests that every taxel of a map has the colour of the force that the file stores for it, and an empty one the empty colour. */
 test("the skin maps show the stored forces", async () => {
   for (const scene of SCENES) {
     const { recording, rows } = await readRecording(`${scene}.parquet`);
@@ -77,7 +77,7 @@ function extent({ sphere, cylinder, capsule, box, hull }) {
   return box ? Math.hypot(...box.size_m) / 2 : Math.max(...hull.points_m.map((point) => Math.hypot(...point)));
 }
 
-/** Pins that links, trunks and rolls are drawn at their stored poses, and that the hinges of a leaf are its pieces' origins. */
+/** Tests that links, trunks and rolls are drawn at their stored poses, and that the hinges of a leaf are its pieces' origins. */
 test("links and objects are drawn at their stored poses", async () => {
   for (const scene of SCENES) {
     const { recording, rows } = await readRecording(`${scene}.parquet`);
@@ -116,7 +116,7 @@ test("links and objects are drawn at their stored poses", async () => {
   }
 });
 
-/** Pins that a pressed taxel is drawn on the arm where its link's pose puts it, in the colour that the map has for it. */
+/** Tests that a pressed taxel is drawn on the arm where its link's pose puts it, in the colour that the map has for it. */
 test("taxels on the arm have their place and colour", async () => {
   const { recording, rows } = await readRecording("mixed.parquet");
   const { page, close } = await openScene("mixed");
@@ -139,7 +139,7 @@ function transform([x, y, z, i, j, k, w], [px, py, pz]) {
   return [x + px + w * a + j * c - k * b, y + py + w * b + k * a - i * c, z + pz + w * c + i * b - j * a];
 }
 
-/** Pins that the pixels of the 3-D view show the goal in its colour where the stored goal is, and not where it is not. */
+/** Tests that the pixels of the 3-D view show the goal in its colour where the stored goal is, and not where it is not. */
 test("the 3-D view draws the goal where it is stored", async () => {
   const { rows } = await readRecording("trunk.parquet");
   const { page, close } = await openScene("trunk");
@@ -159,7 +159,7 @@ test("the 3-D view draws the goal where it is stored", async () => {
   await close();
 });
 
-/** Pins that the numbers beside the plots are those of the file at the frame of the scrubber. */
+/** Tests that the numbers beside the plots are those of the file at the frame of the scrubber. */
 test("the plots show the stored values", async () => {
   const { recording, rows } = await readRecording("mixed.parquet");
   const { page, close } = await openScene("mixed");
@@ -181,7 +181,7 @@ test("the plots show the stored values", async () => {
   await close();
 });
 
-/** Pins that the verdicts on the page are those that `underbrush classify --online` prints for the same recording. */
+/** Tests that the verdicts on the page are those that `underbrush classify --online` prints for the same recording. */
 test("verdicts are those of the program", async () => {
   const lines = program("classify", file("model.json"), file("mixed.parquet"), "--online").trim().split("\n").map((line) => JSON.parse(line));
   const { page, close } = await openScene("mixed", "--model", file("model.json"));

@@ -17,7 +17,7 @@ function judged(truths, verdict, touch) {
 
 const TRUTHS = ["leaf", "outlier", "bottle", "block", "spurious"];
 
-/** Pins the rule of `evaluate` for classifiers of trials: outlier is right for categories that the model does not know, and
+/** Tests the rule of `evaluate` for classifiers of trials: outlier is right for categories that the model does not know, and
  * nothing for foam blocks. */
 test("an outlier is right where a classifier of trials does not know the category", () => {
   assert.deepEqual(judged(TRUTHS, "outlier", null), ["wrong", "right", "right", "wrong", "spurious"]);
@@ -25,7 +25,7 @@ test("an outlier is right where a classifier of trials does not know the categor
   assert.deepEqual(judged(TRUTHS, "uncertain", null), ["uncertain", "uncertain", "uncertain", "uncertain", "spurious"]);
 });
 
-/** Pins that unknown is right for all categories that a touch model does not know, and nothing for readings without an object. */
+/** Tests that unknown is right for all categories that a touch model does not know, and nothing for readings without an object. */
 test("unknown is right where a touch model does not know the category", () => {
   assert.deepEqual(judged(TRUTHS, "unknown", {}), ["wrong", "right", "right", "right", "wrong"]);
   assert.deepEqual(judged(TRUTHS, "nothing", {}), ["wrong", "wrong", "wrong", "wrong", "right"]);

@@ -43,7 +43,7 @@ function contents(page) {
   });
 }
 
-/** Pins that the page of a running reach asks only for frames that it does not have, that verdicts of either kind of model are
+/** Tests that the page of a running reach asks only for frames that it does not have, that verdicts of either kind of model are
  * there while the reach runs, and that at the end it holds what a page holds that loads the whole reach at once. */
 for (const model of ["model.json", "touch.json"]) test(`only what is new is loaded, with verdicts of ${model}`, async () => {
   const { address, pause, close } = await watch("scenes/mixed.toml", "--seed", "3", "--model", file(model));
@@ -77,7 +77,7 @@ for (const model of ["model.json", "touch.json"]) test(`only what is new is load
   close();
 });
 
-/** Pins that the page of a running reach grows with it, that pause and steps are exact, by mouse and by keyboard, and that the
+/** Tests that the page of a running reach grows with it, that pause and steps are exact, by mouse and by keyboard, and that the
  * whole reach with its goals is there at the end, in the list, too, which before says nothing of how the reach went. */
 test("a running reach is shown, paused and stepped", async () => {
   // A reach through leaves takes seconds to simulate, so that it can be paused before it ends.

@@ -12,7 +12,7 @@ before(async () => {
 });
 after(() => finishAll(browser));
 
-/** Pins that axe-core finds nothing at two sizes in both themes with all sections open, and that nothing is wider than the screen. */
+/** Tests that axe-core finds nothing at two sizes in both themes with all sections open, and that nothing is wider than the screen. */
 test("axe-core finds nothing in the report", async () => {
   for (const width of [390, 1280]) {
     for (const colorScheme of ["light", "dark"]) {

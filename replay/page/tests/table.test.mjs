@@ -19,7 +19,7 @@ function rows(trial, taxel, first, last, rate_hz = 100) {
   return Array.from({ length: last - first + 1 }, (_, index) => `${trial},towel,0,palm,${taxel},${((first + index) / rate_hz).toFixed(6)},${0.5 + taxel}`);
 }
 
-/** Pins what the page says of a table: no arm, no goals and no true forces, the taxels by their numbers, and a strip that has the
+/** Tests what the page says of a table: no arm, no goals and no true forces, the taxels by their numbers, and a strip that has the
  * category as long as the contacts last, although frames are wider than pixels. */
 test("a table of trials is shown without what it does not know", async () => {
   const path = file("trials.csv");
@@ -57,7 +57,7 @@ test("a table of trials is shown without what it does not know", async () => {
   server.close();
 });
 
-/** Pins that the address of a frame of a fast table brings back that frame, also where its time is rounded down. */
+/** Tests that the address of a frame of a fast table brings back that frame, also where its time is rounded down. */
 test("an address brings back a frame of a fast table", async () => {
   const path = file("fast.csv");
   writeFileSync(path, [HEAD, ...rows(0, 1, 0, 29, 300), ""].join("\n"));

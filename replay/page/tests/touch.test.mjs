@@ -23,7 +23,7 @@ async function start(hash, options = {}) {
   return page;
 }
 
-/** Pins that the page has the verdicts, probabilities and regions that the command line gives, in every frame of every reach. */
+/** Tests that the page has the verdicts, probabilities and regions that the command line gives, in every frame of every reach. */
 test("the page has the verdicts of the command line", async () => {
   for (const [number, lines] of told.entries()) {
     const page = await start(`#reach=${number}`);
@@ -62,7 +62,7 @@ test("the page has the verdicts of the command line", async () => {
   }
 });
 
-/** Pins what a reader sees of a chosen taxel: its verdict with probabilities, its contact region with the features that the
+/** Tests what a reader sees of a chosen taxel: its verdict with probabilities, its contact region with the features that the
  * model sees, which stay unfolded when time goes on, and a plot of the probabilities without a unit. */
 test("a chosen taxel shows probabilities and its region", async () => {
   const { recording, rows } = await readRecording("mixed.parquet");
@@ -97,7 +97,7 @@ test("a chosen taxel shows probabilities and its region", async () => {
   await finish(page);
 });
 
-/** Pins how the trials of a touch model are judged: a spurious reading that it calls nothing is right. */
+/** Tests how the trials of a touch model are judged: a spurious reading that it calls nothing is right. */
 test("trials are judged by what a touch model can say", async () => {
   const page = await start(`#reach=${SCENES.indexOf("outlier")}`);
   const trials = await page.evaluate(() => window.underbrushReplay.loaded().trials.all.map(({ truth, verdict, judgement }) => ({ truth, verdict, judgement })));

@@ -21,7 +21,7 @@ function patch(places, normals) {
   };
 }
 
-/** Pins that the map has a size when a taxel has no neighbour on its side: one taxel, one on each side, one of three
+/** Tests that the map has a size when a taxel has no neighbour on its side: one taxel, one on each side, one of three
  * alone on its side, two in one place. */
 test("a taxel without a neighbour has a place on the map", () => {
   const [front, back] = [[0, 1, 0], [0, -1, 0]];

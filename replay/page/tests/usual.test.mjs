@@ -32,7 +32,7 @@ function made(frames, trunk_n) {
   return new UsualFeatures(reach, { touch, verdictStart: every(3), verdictTaxel });
 }
 
-/** Pins the tenth and nine tenths of the values, and that a region has the category that presses on its strongest taxel. */
+/** Tests the tenth and nine tenths of the values, and that a region has the category that presses on its strongest taxel. */
 test("the usual range of a category is from a tenth to nine tenths", () => {
   const leaf = made(101, 0.5);
   assert.deepEqual(leaf.of("leaf"), [[10, 90]]);
@@ -41,7 +41,7 @@ test("the usual range of a category is from a tenth to nine tenths", () => {
   assert.deepEqual(made(101, 2).of("trunk"), [[10, 90]]);
 });
 
-/** Pins that nothing is called usual after few regions. */
+/** Tests that nothing is called usual after few regions. */
 test("few regions say nothing about what is usual", () => {
   assert.equal(made(19, 0.5).of("leaf"), null);
   assert.notEqual(made(20, 0.5).of("leaf"), null);

@@ -9,7 +9,7 @@ const { begin, end, start } = mixedSite();
 before(begin);
 after(end);
 
-/** Pins that the switch changes colours on the map and on the arm together, by mouse and by key. */
+/** Tests that the switch changes colours on the map and on the arm together, by mouse and by key. */
 test("one switch colours map and arm", async () => {
   const { recording, rows } = await readRecording("mixed.parquet");
   const page = await start();
@@ -38,7 +38,7 @@ test("one switch colours map and arm", async () => {
   await finish(page);
 });
 
-/** Pins that a taxel chosen on the map is chosen everywhere: details, plots, strips and address; by mouse and by keyboard. */
+/** Tests that a taxel chosen on the map is chosen everywhere: details, plots, strips and address; by mouse and by keyboard. */
 test("a taxel is chosen in all views at once", async () => {
   const { recording, rows } = await readRecording("mixed.parquet");
   const page = await start();
@@ -72,7 +72,7 @@ test("a taxel is chosen in all views at once", async () => {
   await finish(page);
 });
 
-/** Pins that what is read does not flicker: the text of a taxel stays until the pointer leaves the map, and details that do not
+/** Tests that what is read does not flicker: the text of a taxel stays until the pointer leaves the map, and details that do not
  * change stay the same elements. */
 test("what is pointed at stays", async () => {
   const page = await start();
@@ -105,7 +105,7 @@ test("what is pointed at stays", async () => {
   await finish(page);
 });
 
-/** Pins that a click on the 3-D view chooses the object under the pointer, and that the keyboard turns the view. */
+/** Tests that a click on the 3-D view chooses the object under the pointer, and that the keyboard turns the view. */
 test("the 3-D view can be clicked and turned", async () => {
   const { recording } = await readRecording("mixed.parquet");
   const page = await start("#reach=0&view=top");
@@ -147,7 +147,7 @@ test("the views show everything", async () => {
   }
 });
 
-/** Pins that the 3-D view turns when it is dragged, and zooms by the wheel and by the plus and minus keys. */
+/** Tests that the 3-D view turns when it is dragged, and zooms by the wheel and by the plus and minus keys. */
 test("the 3-D view can be dragged and zoomed", async () => {
   const page = await start();
   const box = await page.locator(".view").boundingBox();
@@ -177,7 +177,7 @@ test("the 3-D view can be dragged and zoomed", async () => {
   await finish(page);
 });
 
-/** Pins that an address brings back reach, moment, colours, view, rate and taxel, and that nonsense in it is ignored. */
+/** Tests that an address brings back reach, moment, colours, view, rate and taxel, and that nonsense in it is ignored. */
 test("an address brings a finding back", async () => {
   const page = await start("#reach=1&t=4.21&colour=truth&view=side&rate=0.5&taxel=flipper.7");
   const found = await state(page);

@@ -108,8 +108,8 @@ pub fn marks_in_words(labels: &[&str], looks: &CategoryLooks) -> String {
     capitalized(&joined(names.enumerate().map(entry), ", "))
 }
 
-/// Colour and shape of a verdict: the paper's colours, with a shape for readers who cannot distinguish them. A taxel
-/// that nothing presses on keeps the shape of its verdict and is grey.
+/// Colour and shape of a verdict: the paper's colours, with a shape for readers who cannot distinguish them. An
+/// untouched taxel keeps the shape of its verdict and is grey.
 fn mark_of(looks: &CategoryLooks, verdict: &str, pressed: bool) -> (&'static str, Mark) {
     let look = looks.look(verdict);
     (if pressed { look.colour } else { UNTOUCHED }, look.mark)

@@ -65,8 +65,8 @@ pub fn add(report: &mut Report, outcome: &AccuracyOverTime) {
     let charts = [computation_time(report, reach), samples_used(outcome, reach)];
     report.page.figure("Computation time and samples used.", &charts);
     report.page.figure(
-        "Taxels in contact by verdict. The last chart shows those that nothing presses on (spurious readings, creep, \
-         crosstalk); they have no truth and are not in the other charts.",
+        "Taxels in contact by verdict. The last chart shows untouched taxels (spurious readings, creep, crosstalk); \
+         they have no truth and are not in the other charts.",
         &verdicts(reach),
     );
     report.page.link(&replayed::reach(replayed::TEST_FILE, 0), "Replay this reach in 3-D");
@@ -135,14 +135,14 @@ fn samples_used(outcome: &AccuracyOverTime, reach: &Classified) -> String {
     beside_paper(("figure-9", "Samples used for a verdict"), description, here, paper, y, reach)
 }
 
-/// Correct, misclassified and uncertain taxels over time, and those that nothing presses on, all on one scale.
+/// Correct, misclassified, uncertain and untouched taxels over time, all on one scale.
 fn verdicts(reach: &Classified) -> Vec<String> {
     type Of = fn(&Tally) -> usize;
     let kinds: [(&str, &str, Of); 4] = [
         ("correct", CORRECT, |tally| tally.correct),
         ("misclassified", WRONG, |tally| tally.misclassified),
         ("uncertain", UNCERTAIN, |tally| tally.uncertain),
-        ("that nothing presses on", UNTOUCHED, |tally| tally.unknown),
+        ("untouched", UNTOUCHED, |tally| tally.unknown),
     ];
     let frames = &reach.stream.frames;
     let highest = kinds.iter().flat_map(|kind| frames.iter().map(|frame| kind.2(&frame.tally)));
@@ -154,7 +154,7 @@ fn verdicts(reach: &Classified) -> Vec<String> {
         let axes = (Axis::from_zero("time / s"), Axis::spanning("taxels", 0.0, highest as f64));
         let layers = vec![Layer::new("", Style::line(colour, Dash::Solid), Shape::Steps(points))];
         let description = format!("Over the reach {mean:.1} taxels on average, at most {max}.");
-        chart(format!("figure-10-{}", name.replace(' ', "-")), format!("Taxels {name}"), description, axes, layers)
+        chart(format!("figure-10-{name}"), format!("Taxels {name}"), description, axes, layers)
     };
     kinds.map(of_kind).to_vec()
 }

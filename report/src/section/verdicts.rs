@@ -49,7 +49,7 @@ fn accuracy(verdicts: &Verdicts) -> String {
 /// One figure per row, with what it counts.
 fn figures(verdicts: &Verdicts) -> Table {
     let contacts = "contacts of taxels that a known category touched";
-    let spurious = "taxel frames that nothing presses on";
+    let spurious = "frames of untouched taxels";
     let touched = "taxel frames that a known category touches";
     let both = "taxel frames of nothing and known categories";
     let (unknown, known) = ("objects of no known category, test reaches", "objects of known categories, test reaches");

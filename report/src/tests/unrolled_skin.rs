@@ -69,7 +69,7 @@ fn the_hand_is_where_the_picture_says() {
     assert!(hand > elbow, "{hand} {elbow}");
 }
 
-/// Tests that a taxel that nothing presses on is drawn grey and counted in the description, and that a name with
+/// Tests that an untouched taxel is drawn grey and counted in the description, and that a name with
 /// special characters of XML gives a document that can be read.
 #[test]
 fn spurious_readings_are_marked() {

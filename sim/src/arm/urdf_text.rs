@@ -11,7 +11,7 @@ use super::source::Source;
 
 /// What an attribute holds.
 #[derive(Clone, Copy)]
-enum Holds {
+enum AttributeKind {
     /// This many numbers, separated by spaces.
     Numbers(usize),
     /// A name.
@@ -20,13 +20,13 @@ enum Holds {
     Joint,
 }
 
-use Holds::{Joint, Name, Numbers};
+use AttributeKind::{Joint, Name, Numbers};
 
 /// The types of joints in URDF files.
 const JOINT_TYPES: [&str; 7] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical"];
 
 /// The attributes that are read: element, attributes, their type, and whether they are required.
-const ATTRIBUTES: &[(&str, &[&str], Holds, bool)] = &[
+const ATTRIBUTES: &[(&str, &[&str], AttributeKind, bool)] = &[
     ("link", &["name"], Name, true),
     ("joint", &["name"], Name, true),
     ("joint", &["type"], Joint, true),
@@ -223,7 +223,7 @@ fn place(element: Node, key: &str) -> String {
     if parts.is_empty() { owner.trim_end().into() } else { format!("{}, {}", owner.trim_end(), parts.join(".")) }
 }
 
-impl Holds {
+impl AttributeKind {
     fn fits(self, text: &str) -> bool {
         match self {
             Numbers(count) => parsed(text).is_some_and(|numbers| numbers.len() == count),

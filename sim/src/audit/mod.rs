@@ -10,7 +10,7 @@ mod tests;
 use crate::arm::Arm;
 use crate::arm::skin::reach_m;
 use crate::controller::ControlStatus;
-use crate::simulation::{Contact, FrameReport, Simulation, StepReport};
+use crate::simulation::{FrameReport, Simulation, StepContact, StepReport};
 use energy::EnergyBalance;
 
 /// A figure of the audit and its bound.
@@ -102,7 +102,7 @@ impl Jump {
     }
 
     /// The largest change of a link's force since the last call.
-    fn observe(&mut self, contacts: &[Contact], scale: f64) -> f64 {
+    fn observe(&mut self, contacts: &[StepContact], scale: f64) -> f64 {
         std::mem::swap(&mut self.last, &mut self.now);
         self.now.fill(DVec3::ZERO);
         for contact in contacts {

@@ -88,7 +88,7 @@ fn bounds_follow_the_arm_and_its_skin() {
 /// Tests the jump of a force: the largest change of the summed and scaled force on one link.
 #[test]
 fn jumps_are_changes_of_a_links_force() {
-    let contact = |link: usize, force: f64| Contact {
+    let contact = |link: usize, force: f64| StepContact {
         link,
         object: Some(0),
         body: 0,

@@ -11,7 +11,7 @@ use underbrush_recording::Pose;
 
 use super::chord::Faces;
 use super::plane::Pair;
-use super::settle::{Known, settle};
+use super::settle::{KnownContact, settle};
 use crate::geometry::parry_pose;
 
 const MODULUS_N_PER_M3: f64 = 3e7;
@@ -87,7 +87,7 @@ fn follow(path: u64, counted: &mut Counted) {
         *(if depth_m(middle) < 0.0 { &mut apart } else { &mut overlap }) = middle;
     }
     let mut faces = [Faces::default(), Faces::default()];
-    let mut known: Option<Known> = None;
+    let mut known: Option<KnownContact> = None;
     let (mut force_before, mut area_before) = (DVec3::ZERO, 0.0);
     for step in 0..200 {
         let along_m = apart + f64::from(step) * STEP_M;
@@ -98,7 +98,7 @@ fn follow(path: u64, counted: &mut Counted) {
         let pair = pair_at(along_m);
         let known_or_nearest = known.or_else(|| {
             let (normal_world, middle_world) = pair.nearest(0.005)?;
-            Some(Known { origin_world: middle_world?, normal_world, region: None })
+            Some(KnownContact { origin_world: middle_world?, normal_world, region: None })
         });
         let mut nodes = Vec::new();
         let found = known_or_nearest.and_then(|from| settle(&pair, &from, &mut faces, |_, _| 0.0, &mut nodes));

@@ -10,7 +10,7 @@ use crate::geometry::parry_pose;
 
 /// Where a contact was a step ago, or where a first search found it.
 #[derive(Clone, Copy, Debug)]
-pub struct Known {
+pub struct KnownContact {
     /// A place of the patch, m, world frame.
     pub origin_world: DVec3,
     /// Its unit normal, from the second shape into the first, world frame.
@@ -30,11 +30,11 @@ const MAX_TRIALS: usize = 7;
 /// there is no such column.
 pub fn settle(
     pair: &Pair,
-    known: &Known,
+    known: &KnownContact,
     faces: &mut [Faces; 2],
     mut over_m: impl FnMut(&Plane, f64) -> f64,
     nodes: &mut Vec<Node>,
-) -> Option<(Plane, Known)> {
+) -> Option<(Plane, KnownContact)> {
     let (mut plane, mut outline) = match known.region {
         None => (pair.plane(known.origin_world, known.normal_world), Outline::default()),
         Some((outline, strip_world)) => {
@@ -84,7 +84,7 @@ pub fn settle(
     nodes.extend(region.nodes());
     let turn = found_world - plane.normal_world;
     // Only half the turn: where the normal of the region depends on the direction of its columns, the whole turn may overshoot.
-    let next = Known {
+    let next = KnownContact {
         origin_world: plane.origin_world + plane.vector_world(center.x, center.y),
         normal_world: (plane.normal_world + 0.5 * turn).normalize(),
         region: Some((region.outline.seen_from(center), plane.tangents_world[1])),

@@ -58,10 +58,17 @@ pub struct TaxelContact {
     /// Force that this contact should not exceed, N, if it differs from the controller's own limit for all contacts.
     pub allowed_force_n: Option<f64>,
     /// What touches the taxel, if something judges it.
-    pub verdict: Option<Verdict>,
+    pub verdict: Option<ContactVerdict>,
 }
 
 /// What touches a taxel.
+///
+/// ```
+/// use underbrush_sim::controller::Touched;
+///
+/// assert_eq!(Touched::Category("leaf".into()).name(), "leaf");
+/// assert_eq!(Touched::Unknown.name(), "unknown");
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Touched {
     /// Nothing: a spurious reading.
@@ -88,7 +95,7 @@ impl Touched {
 
 /// A judgement of a contact.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Verdict {
+pub struct ContactVerdict {
     /// What touches the taxel.
     pub touched: Touched,
     /// How probable that is; of an uncertain verdict, the probability of the likeliest category.
@@ -96,6 +103,14 @@ pub struct Verdict {
 }
 
 /// How hard the arm may press on which objects, N. The controller's own limit holds for everything else.
+///
+/// ```
+/// use underbrush_sim::controller::AllowedForces;
+///
+/// let allowed = AllowedForces::default();
+/// assert!(allowed.categories_n["trunk"] < allowed.categories_n["leaf"]);
+/// assert_eq!(allowed.unknown_n, None);
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AllowedForces {
     /// The limits by the name of a category, N.
@@ -116,7 +131,7 @@ impl Default for AllowedForces {
 
 impl AllowedForces {
     /// Gives a contact its verdict, and the limit that the verdict gives, if it gives one; false if nothing touches the taxel.
-    pub fn apply(&self, contact: &mut TaxelContact, verdict: Option<Verdict>) -> bool {
+    pub fn apply(&self, contact: &mut TaxelContact, verdict: Option<ContactVerdict>) -> bool {
         let limit_n = match verdict.as_ref().map(|verdict| &verdict.touched) {
             Some(Touched::Nothing) => return false,
             Some(Touched::Category(name)) => self.categories_n.get(&**name).copied(),

@@ -5,7 +5,7 @@ use underbrush_recording::{FRAME_PERIOD_S, Frame, TaxelReading};
 
 use super::ReachError;
 use super::plan::ReachPlan;
-use crate::controller::{ControlStatus, Controller, ControllerInput, Intent, TaxelContact, Touched, Verdict};
+use crate::controller::{ContactVerdict, ControlStatus, Controller, ControllerInput, Intent, TaxelContact, Touched};
 use crate::{PlacedObject, Simulation};
 
 /// A controller and the equilibrium angles that it has set.
@@ -98,11 +98,11 @@ impl Steering {
 }
 
 /// What truly touches a taxel.
-fn true_verdict(reading: &TaxelReading, objects: &[PlacedObject]) -> Verdict {
+fn true_verdict(reading: &TaxelReading, objects: &[PlacedObject]) -> ContactVerdict {
     let object = reading.object.filter(|_| reading.true_normal_force_n > 0.0);
     let object = object.and_then(|object| objects.get(usize::from(object)));
     let touched = object.map_or(Touched::Nothing, |placed| Touched::Category(placed.category.name().into()));
-    Verdict { touched, probability: 1.0 }
+    ContactVerdict { touched, probability: 1.0 }
 }
 
 /// Whether a controller of this rate is due in a frame: in the first one, and whenever a new control period has begun

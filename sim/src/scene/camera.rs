@@ -7,7 +7,7 @@ use underbrush_recording::limits::short;
 
 use super::limits;
 use crate::range::{PLACE_M, Within};
-use crate::sensor::Fault;
+use crate::sensor::OptionFault;
 
 /// A camera of a scene (`[[cameras]]`). It stands still, with its places in the world frame, or a link carries it, and they are in
 /// the link's frame.
@@ -55,7 +55,7 @@ fn default_size_px() -> [usize; 2] {
 
 impl SceneCamera {
     /// What is wrong with its numbers or its name: key, what was found, and what is allowed.
-    pub fn fault(&self) -> Option<Fault> {
+    pub fn fault(&self) -> Option<OptionFault> {
         let is_letter = |letter: char| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-';
         if self.name.is_empty() || !self.name.chars().all(is_letter) {
             return Some(("name".into(), format!("{:?}", self.name), "letters, digits, - and _".into()));

@@ -13,7 +13,7 @@ use crate::arm::Arm;
 use crate::materials::MaterialFile;
 use crate::object::COLLIDING_KINDS;
 use crate::range::{DrawError, Limited, PLACE_M, Placement, YAW_DEG};
-use crate::sensor::Fault;
+use crate::sensor::OptionFault;
 use content::objects_hash;
 
 mod camera;
@@ -300,7 +300,7 @@ impl Scene {
     }
 
     /// Turns a fault of the sensor options into an error about this file.
-    pub(crate) fn sensor_fault(&self, fault: Option<Fault>) -> Result<(), InputError> {
+    pub(crate) fn sensor_fault(&self, fault: Option<OptionFault>) -> Result<(), InputError> {
         self.refuse(fault.map(|(key, found, allowed)| (format!("sensor.{key}"), found, allowed)))
     }
 

@@ -29,7 +29,7 @@ use crate::arm::skin::Technology;
 use crate::seed::stream;
 use capacitive::Capacitive;
 use fabric::Fabric;
-pub use options::{FabricOptions, FabricResponse, Fault, SensorModel, SensorOptions};
+pub use options::{FabricOptions, FabricResponse, OptionFault, SensorModel, SensorOptions};
 use shared::Transducers;
 
 /// The electronics of one patch.

@@ -134,7 +134,7 @@ pub enum FabricResponse {
 }
 
 /// What is wrong with an option: `(key, found, allowed)`.
-pub type Fault = (String, String, String);
+pub type OptionFault = (String, String, String);
 
 impl SensorOptions {
     /// Every effect switched off by its own key, as the baseline for testing single effects.
@@ -178,7 +178,7 @@ impl SensorOptions {
     }
 
     /// What is wrong with these options, if anything.
-    pub fn fault(&self) -> Option<Fault> {
+    pub fn fault(&self) -> Option<OptionFault> {
         let own = self.numbers().into_iter().map(|(key, value, limits)| (key.to_owned(), value, limits));
         let forces_n = self.spurious_force_n;
         let spurious = forces_n.map(|force_n| ("spurious_force_n".to_owned(), force_n, limits::SPURIOUS_FORCE_N));
@@ -198,7 +198,7 @@ impl SensorOptions {
     }
 
     /// What is wrong with the list of dead taxels on this skin, if anything.
-    pub fn fault_on(&self, layout: &SkinLayout) -> Option<Fault> {
+    pub fn fault_on(&self, layout: &SkinLayout) -> Option<OptionFault> {
         self.dead_taxels.iter().find_map(|(name, taxels)| {
             let Some(patch) = layout.patch_index(name) else {
                 let names: Vec<&str> = layout.patches.iter().map(|patch| patch.name.as_str()).collect();

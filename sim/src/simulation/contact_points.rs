@@ -3,7 +3,7 @@
 use glam::DVec3;
 use underbrush_recording::ContactPoint;
 
-use super::{Contact, FrameReport};
+use super::{FrameReport, StepContact};
 
 /// Contacts of one place, added up over the steps of a frame.
 #[derive(Default)]
@@ -25,7 +25,7 @@ struct Sum {
 
 /// The contacts of a frame; `body` returns the index of a contact's body in a recording. The sums of forces and of their
 /// moments are those of the report.
-pub(super) fn contact_points(report: &FrameReport, body: impl Fn(&Contact) -> u16) -> Vec<ContactPoint> {
+pub(super) fn contact_points(report: &FrameReport, body: impl Fn(&StepContact) -> u16) -> Vec<ContactPoint> {
     let mut sums: Vec<Sum> = Vec::new();
     for (contact, patch) in report.contacts.iter().zip(&report.tactile.contact_patch) {
         let place = (contact.link as u16, *patch, contact.object.map(|object| object as u16), body(contact));

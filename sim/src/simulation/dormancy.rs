@@ -4,7 +4,7 @@ use rapier3d::parry::bounding_volume::BoundingVolume;
 use rapier3d::parry::query::distance;
 use rapier3d::prelude::ColliderHandle;
 
-use super::{Contact, DormancyBuffers, Model, Mover, World};
+use super::{DormancyBuffers, Model, Mover, StepContact, World};
 use crate::geometry::parry_pose;
 
 /// A dormant object is put into the engine when a moving shape comes within this distance, m: the distance covered in a
@@ -16,7 +16,7 @@ const SLEEP_MARGIN_M: f64 = 0.005;
 impl World {
     /// Takes out every object that rests while nothing moves near it, and puts in every dormant object that something
     /// moving has come near to. `contacts` are those of the frame.
-    pub(super) fn rest_and_wake(&mut self, model: &Model, contacts: &[Contact]) {
+    pub(super) fn rest_and_wake(&mut self, model: &Model, contacts: &[StepContact]) {
         let mut buffers = std::mem::take(&mut self.dormancy);
         let DormancyBuffers { movers, near } = &mut buffers;
         movers.clear();
@@ -45,7 +45,7 @@ impl World {
         }
     }
 
-    fn retire(&mut self, model: &Model, contacts: &[Contact], movers: &[Mover]) {
+    fn retire(&mut self, model: &Model, contacts: &[StepContact], movers: &[Mover]) {
         for index in 0..self.mechanisms.len() {
             let resting = self.mechanisms[index]
                 .is_some_and(|mechanism| mechanism.is_movable(&self.engine) && mechanism.is_at_rest(&self.engine));

@@ -38,7 +38,7 @@ use engine::Engine;
 use mechanism::{Mechanism, collider};
 use placed::{PlacedLink, Solid, read_poses};
 pub use report::{
-    Contact, ContactPair, FrameReport, JointState, LinkForce, ObjectState, StepObserver, StepReport, TactileFrame,
+    ContactPair, FrameReport, JointState, LinkForce, ObjectState, StepContact, StepObserver, StepReport, TactileFrame,
 };
 pub use saved::StateError;
 

@@ -6,12 +6,12 @@ use underbrush_recording::{FRAME_PERIOD_S, Pose, TaxelReading};
 
 use crate::arm::Arm;
 use crate::physics::{PhysicsOptions, Theta};
-use crate::skin::ContactPoint;
+use crate::skin::SkinContact;
 
 /// The contact of one shape of the arm with one shape of an object or of another link, in one step. Two links that touch
 /// have one each.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Contact {
+pub struct StepContact {
     /// The link, index in [`crate::arm::Arm::links`].
     pub link: usize,
     /// The object, index in [`crate::clutter::Clutter::objects`]; `None` for the arm itself.
@@ -41,10 +41,10 @@ pub struct Contact {
     pub slip_world: DVec3,
 }
 
-impl Contact {
+impl StepContact {
     /// The contact as input of the link's skin. `link_pose` is the link's pose in the world frame.
-    pub fn in_link_frame(&self, link_pose: &Pose) -> ContactPoint {
-        ContactPoint {
+    pub fn in_link_frame(&self, link_pose: &Pose) -> SkinContact {
+        SkinContact {
             position_link: self.position_link,
             inward_link: link_pose.inverse_transform_vector(self.inward_world),
             force_link: link_pose.inverse_transform_vector(self.force_world),
@@ -157,7 +157,7 @@ pub struct FrameReport {
     /// The contacts between arm and clutter, engine step by engine step. Their forces add up to the mean force over the
     /// frame: a taxel's electronics integrate over their period, and a link that meets a rigid trunk is stopped within
     /// a few milliseconds, so a force sampled at one instant would be arbitrary.
-    pub contacts: Vec<Contact>,
+    pub contacts: Vec<StepContact>,
     /// What the skin feels.
     pub tactile: TactileFrame,
 }
@@ -207,7 +207,7 @@ pub struct StepReport<'a> {
     /// Poses of the links at the end of the step.
     pub link_pose_world: &'a [Pose],
     /// The contacts of this step.
-    pub contacts: &'a [Contact],
+    pub contacts: &'a [StepContact],
     /// How far along the step the forces on the arm were taken.
     pub theta: Theta,
     /// Residual of the contact solver in this step, relative to the largest generalized impulse.

@@ -4,9 +4,9 @@ use glam::DVec3;
 use rapier3d::prelude::ColliderHandle;
 use underbrush_recording::TaxelReading;
 
-use super::{Contact, ContactPair, Model, TactileFrame, World};
+use super::{ContactPair, Model, StepContact, TactileFrame, World};
 use crate::sensor::Sensor;
-use crate::skin::{ContactPoint, SpreadBuffers, TaxelForce};
+use crate::skin::{SkinContact, SpreadBuffers, TaxelForce};
 
 /// A patch and a taxel of it.
 type Place = (usize, usize);
@@ -52,16 +52,16 @@ impl Loads {
 
 /// A contact point between a patch and a collision shape of an object or of another link.
 #[derive(Clone)]
-struct Touch {
+struct PatchContact {
     patch: usize,
     collider: ColliderHandle,
     /// Its number among the contacts of the frame.
     number: usize,
     object: Option<u16>,
-    point: ContactPoint,
+    point: SkinContact,
 }
 
-impl Touch {
+impl PatchContact {
     /// Points with the same pair of patch and shape are spread together.
     fn pair(&self) -> (usize, (u32, u32)) {
         (self.patch, self.collider.into_raw_parts())
@@ -71,8 +71,8 @@ impl Touch {
 /// Buffers of [`sense`]. They are kept from frame to frame, so that a frame allocates nothing.
 #[derive(Clone, Default)]
 pub(super) struct SenseBuffers {
-    touches: Vec<Touch>,
-    points: Vec<ContactPoint>,
+    touches: Vec<PatchContact>,
+    points: Vec<SkinContact>,
     spread: SpreadBuffers,
     loads: Loads,
     wrenches: Vec<PatchWrenches>,
@@ -83,7 +83,7 @@ pub(super) struct SenseBuffers {
 pub(super) fn sense(
     world: &World,
     model: &Model,
-    contacts: &[Contact],
+    contacts: &[StepContact],
     sensor: &mut Sensor,
     buffers: &mut SenseBuffers,
     tactile: &mut TactileFrame,
@@ -108,7 +108,7 @@ pub(super) fn sense(
         if let Some(patch) = patch {
             tactile.contact_force_world[patch] += contact.force_world;
             wrenches[patch].solver.add(point.position_link, point.force_link);
-            touches.push(Touch { patch, collider: *collider, number, object, point });
+            touches.push(PatchContact { patch, collider: *collider, number, object, point });
         }
     }
     // Within a pair, the order of the contacts is kept. An unstable sort needs no memory.
@@ -117,7 +117,7 @@ pub(super) fn sense(
     loads.normal_n_by_object.clear();
     loads.points_n.clear();
     for group in touches.chunk_by(|a, b| a.pair() == b.pair()) {
-        let Touch { patch, collider, object, .. } = group[0];
+        let PatchContact { patch, collider, object, .. } = group[0];
         points.clear();
         points.extend(group.iter().map(|touch| touch.point));
         let skin = &patches[patch];

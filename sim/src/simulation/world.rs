@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Pose};
 
 use super::{
-    ArmBodies, Assembly, Contact, Engine, FrameReport, Mechanism, Model, PlacedLink, StepObserver, StepReport,
+    ArmBodies, Assembly, Engine, FrameReport, Mechanism, Model, PlacedLink, StepContact, StepObserver, StepReport,
     read_poses,
 };
 use crate::object::COLLIDING_KINDS;
@@ -124,7 +124,7 @@ impl World {
     }
 
     /// Adds the contacts of the last step between arm and objects, and of the arm with itself.
-    fn gather_contacts(&mut self, model: &Model, contacts: &mut Vec<Contact>) {
+    fn gather_contacts(&mut self, model: &Model, contacts: &mut Vec<StepContact>) {
         for contact in &self.engine.contact_step.contacts {
             let links = contact.colliders.map(|collider| self.arm.link_of(&self.engine, collider));
             for (side, link) in links.iter().enumerate() {
@@ -133,7 +133,7 @@ impl World {
                 let of_object = || self.object_of(model, other).map(|(object, body)| (Some(object), body));
                 let Some((object, body)) = of_arm.or_else(of_object) else { continue };
                 let sign = if side == 0 { 1.0 } else { -1.0 };
-                contacts.push(Contact {
+                contacts.push(StepContact {
                     link,
                     object,
                     body,

@@ -22,12 +22,12 @@ fn forearm() -> SkinPatch {
 
 /// A contact `along_m` and `around_rad` off the middle taxel's centre, on the surface of the sleeve, with this force
 /// normal to it and a share `slip` of the friction that the cone allows, in the direction `slip_rad`.
-fn contact(skin: &SkinPatch, along_m: f64, around_rad: f64, force_n: f64, slip: f64, slip_rad: f64) -> ContactPoint {
+fn contact(skin: &SkinPatch, along_m: f64, around_rad: f64, force_n: f64, slip: f64, slip_rad: f64) -> SkinContact {
     let rotation = glam::DQuat::from_rotation_z(around_rad);
     let normal = rotation * skin.normals_link[TAXEL];
     let position_link = rotation * skin.centers_link[TAXEL] + DVec3::Z * along_m;
     let tangent = DVec3::Z * slip_rad.cos() + normal.cross(DVec3::Z) * slip_rad.sin();
-    ContactPoint {
+    SkinContact {
         radius_m: 0.02,
         position_link,
         inward_link: -normal,
@@ -37,7 +37,7 @@ fn contact(skin: &SkinPatch, along_m: f64, around_rad: f64, force_n: f64, slip: 
 
 /// A pose over the contact, with its z axis towards the skin and its x axis rotated by `angle_rad` from the sleeve's
 /// axis.
-fn over(contact: &ContactPoint, distance_m: f64, angle_rad: f64) -> Pose {
+fn over(contact: &SkinContact, distance_m: f64, angle_rad: f64) -> Pose {
     let down = contact.inward_link;
     let side = down.cross(DVec3::Z).normalize();
     let x = DVec3::Z * angle_rad.cos() + side * angle_rad.sin();
@@ -46,13 +46,13 @@ fn over(contact: &ContactPoint, distance_m: f64, angle_rad: f64) -> Pose {
 }
 
 /// A trunk of this radius on the contact, rotated from the sleeve's axis.
-fn trunk(contact: &ContactPoint, radius_m: f64, angle_rad: f64) -> (Capsule, Pose) {
+fn trunk(contact: &SkinContact, radius_m: f64, angle_rad: f64) -> (Capsule, Pose) {
     let shape = Capsule::new(DVec3::X * -0.2, DVec3::X * 0.2, radius_m);
     (shape, over(contact, radius_m, angle_rad))
 }
 
 /// The contact spread over the taxels.
-fn spread(skin: &SkinPatch, contact: ContactPoint, shape: &dyn Shape, pose: &Pose) -> Vec<TaxelForce> {
+fn spread(skin: &SkinPatch, contact: SkinContact, shape: &dyn Shape, pose: &Pose) -> Vec<TaxelForce> {
     let (hard, mut buffers) = (Surface::hard(FRICTION), SpreadBuffers::default());
     skin.spread(&[contact], shape, pose, &hard, &mut buffers).to_vec()
 }
@@ -113,7 +113,7 @@ proptest! {
         let plain = contact(&skin, along_m, 0.0, 1.0, 0.0, 0.0);
         let normal = glam::DQuat::from_axis_angle(plain.inward_link.cross(DVec3::Z), lean_rad) * -plain.inward_link;
         let tangent = glam::DQuat::from_axis_angle(normal, slip_rad) * normal.any_orthonormal_vector();
-        let contact = ContactPoint { inward_link: -normal, force_link: tangent * slip - normal, ..plain };
+        let contact = SkinContact { inward_link: -normal, force_link: tangent * slip - normal, ..plain };
         prop_assume!(skin.covers(&contact));
         let forces = spread(&skin, contact, &Ball::new(0.02), &Pose::from_position(contact.position_link + normal * 0.02));
         let sum: DVec3 = forces.iter().map(|taxel| force(&skin, taxel)).sum();
@@ -214,7 +214,7 @@ fn a_coarse_taxel_keeps_its_force() {
             let skin = SkinPatch::of_arm(&arm).swap_remove(index);
             let places = [-1.0, -0.6, 0.0, 0.3, 1.0].map(|share| share * side_m * 3.0 / 8.0);
             for (x, y) in places.into_iter().flat_map(|x| places.map(|y| (x, y))) {
-                let contact = ContactPoint {
+                let contact = SkinContact {
                     position_link: first.position_link + first.tangent_link * x + across * y,
                     inward_link: -first.normal_link,
                     force_link: first.normal_link * -0.001,
@@ -267,7 +267,7 @@ fn a_plate_between_two_columns_is_felt_through_the_gap() {
         for (around_rad, expected, tolerance) in
             [(between_deg.to_radians(), gap_share, 1e-9), (0.0, (9.0 + 1.8 * gap_share) / 10.8, 2.0 * 2.25 / 65.0)]
         {
-            let contact = ContactPoint { radius_m: 0.04, ..contact(&skin, 0.0, around_rad, 1.0, 0.0, 0.0) };
+            let contact = SkinContact { radius_m: 0.04, ..contact(&skin, 0.0, around_rad, 1.0, 0.0, 0.0) };
             let plate = Cuboid::new(DVec3::new(0.0324, 0.0005, 0.02));
             let forces = spread(&skin, contact, &plate, &over(&contact, 0.02, 0.0));
             let total: DVec3 = forces.iter().map(|taxel| force(&skin, taxel)).sum();
@@ -304,7 +304,7 @@ fn a_contact_that_no_sub_point_faces_presses_one() {
     let skin = forearm();
     let above = contact(&skin, 0.0, 0.0, 0.3, 0.0, 0.0);
     let along = DVec3::Z;
-    let contact = ContactPoint { inward_link: along, force_link: above.force_link + along, ..above };
+    let contact = SkinContact { inward_link: along, force_link: above.force_link + along, ..above };
     let (hard, mut buffers) = (Surface::hard(FRICTION), SpreadBuffers::default());
     let pose = Pose::new(contact.position_link - along * 0.01, glam::DQuat::IDENTITY);
     let forces = skin.spread(&[contact], &Ball::new(0.01), &pose, &hard, &mut buffers).to_vec();

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::{Limits, Sample, Trial};
 
 use crate::baseline::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
-use crate::error::{Fault, ModelError, check_limits};
+use crate::error::{ModelError, ValueFault, check_limits};
 use crate::{ClassifierKind, FeatureError, FeatureSet, SampleFault};
 
 pub(crate) const KIND: ClassifierKind =
@@ -48,7 +48,7 @@ impl Baseline for NearestMean {
         FeatureSet::FORCE
     }
 
-    fn check(&self) -> Result<(), Fault> {
+    fn check(&self) -> Result<(), ValueFault> {
         check_limits("spread_n", self.spread_n, Limits::new(1e-3, 1e3, "N"))
     }
 
@@ -64,7 +64,7 @@ impl Baseline for NearestMean {
         Ok(Parameters { mean_n: trials.values().map(of_category).collect() })
     }
 
-    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), Fault> {
+    fn check_parameters(&self, parameters: &mut Parameters, categories: usize) -> Result<(), ValueFault> {
         check_table("mean_n", &parameters.mean_n, (categories, SAMPLES), FITTED)
     }
 

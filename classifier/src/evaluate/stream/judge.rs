@@ -10,7 +10,7 @@ use super::super::prediction::is_right;
 use super::super::touch_object::{JudgedObject, OpenObject};
 use super::{NOTHING, Stream, StreamContact, StreamFrame, StreamTruth, Tally};
 use crate::decision::Verdict;
-use crate::touch::{Followed, Touch, TouchClassifier, TouchModel};
+use crate::touch::{Followed, TouchClassifier, TouchModel, TouchVerdict};
 use crate::{Classifier, OnlineClassifier, OnlineError, OnlineOptions, TrialError};
 
 /// A verdict on a taxel in contact.
@@ -80,10 +80,10 @@ pub fn classify_touch_stream(
             place: (taxel.patch, taxel.taxel),
             samples: taxel.samples,
             verdict: match taxel.touch {
-                Touch::Category(index) => index,
-                Touch::Uncertain => categories.len(),
-                Touch::Unknown => categories.len() + 1,
-                Touch::Nothing => categories.len() + 2,
+                TouchVerdict::Category(index) => index,
+                TouchVerdict::Uncertain => categories.len(),
+                TouchVerdict::Unknown => categories.len() + 1,
+                TouchVerdict::Nothing => categories.len() + 2,
             },
         }));
         Ok::<(), TrialError>(())

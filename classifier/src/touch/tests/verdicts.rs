@@ -7,7 +7,7 @@ use crate::any_model::OnlineModel;
 use crate::error::ModelError;
 use crate::evaluate::classify_touch_stream;
 use crate::evaluate::touch::TouchEvaluation;
-use crate::touch::{Touch, TouchClassifier, TouchDecision, TouchExamples, TouchModel, TouchOptions};
+use crate::touch::{TouchClassifier, TouchDecision, TouchExamples, TouchModel, TouchOptions, TouchVerdict};
 
 fn examples() -> TouchExamples {
     let mut examples = TouchExamples::new(TouchOptions::default());
@@ -85,9 +85,9 @@ fn contacts_of_one_object_are_told_apart() {
         classifier.update(frame).unwrap();
         let [soft, stiff] = classifier.regions() else { continue };
         assert_eq!(soft.object, stiff.object);
-        assert_eq!(classifier.objects()[0].touch, Touch::Category(1));
-        assert_ne!(soft.touch, Touch::Category(1));
-        assert_eq!(stiff.touch, Touch::Category(1));
+        assert_eq!(classifier.objects()[0].touch, TouchVerdict::Category(1));
+        assert_ne!(soft.touch, TouchVerdict::Category(1));
+        assert_eq!(stiff.touch, TouchVerdict::Category(1));
         frames += 1;
     }
     assert!(frames > 50, "{frames}");
@@ -201,9 +201,9 @@ fn keys_of_a_file_are_in_order() {
 fn verdicts_follow_the_costs() {
     let decision = TouchDecision { unknown_share: 0.05, cost_of_uncertain: 0.2, ..TouchDecision::default() };
     let of_region = |probabilities: [f64; 2], share_beyond| decision.of_region(&probabilities, share_beyond, 300);
-    assert_eq!(of_region([0.1, 0.9], 0.04), Touch::Unknown);
-    assert_eq!(of_region([0.1, 0.9], 0.06), Touch::Category(1));
-    assert_eq!(of_region([0.3, 0.7], 0.06), Touch::Uncertain);
+    assert_eq!(of_region([0.1, 0.9], 0.04), TouchVerdict::Unknown);
+    assert_eq!(of_region([0.1, 0.9], 0.06), TouchVerdict::Category(1));
+    assert_eq!(of_region([0.3, 0.7], 0.06), TouchVerdict::Uncertain);
 }
 
 /// Tests that until an object was felt in 60 samples, a fifth of the share is the limit.
@@ -211,10 +211,10 @@ fn verdicts_follow_the_costs() {
 fn early_objects_must_be_more_unlike() {
     let decision = TouchDecision { unknown_share: 0.05, ..TouchDecision::default() };
     for (samples, share_beyond, expected) in [
-        (59, 0.009, Touch::Unknown),
-        (59, 0.011, Touch::Category(1)),
-        (60, 0.049, Touch::Unknown),
-        (60, 0.051, Touch::Category(1)),
+        (59, 0.009, TouchVerdict::Unknown),
+        (59, 0.011, TouchVerdict::Category(1)),
+        (60, 0.049, TouchVerdict::Unknown),
+        (60, 0.051, TouchVerdict::Category(1)),
     ] {
         assert_eq!(decision.of_region(&[0.1, 0.9], share_beyond, samples), expected, "{samples}, {share_beyond}");
     }

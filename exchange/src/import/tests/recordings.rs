@@ -28,7 +28,7 @@ fn recorded(log: &str, taxels: &str, mapping: &str) -> Result<Imported, InputErr
 }
 
 /// Tests that each reach becomes a recording that files can hold: taxels and poses of the log, times from 0, labels as objects,
-/// contacts of adjacent frames, and readings below the threshold or under the label `nothing` that nothing presses on.
+/// contacts of adjacent frames, and readings below the threshold or under the label `nothing` as untouched.
 #[test]
 fn labelled_reaches_become_recordings() {
     let found = recorded(LOG, TAXELS, MAPPING).unwrap();

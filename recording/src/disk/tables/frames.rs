@@ -53,12 +53,12 @@ pub(crate) struct Place {
 }
 
 /// What a value is, and what it may be.
-pub(crate) type Fault = (String, String);
+pub(crate) type ColumnFault = (String, String);
 
 /// Makes the column of a feature in some frames.
 type Give = fn(&ReachRows, Range<usize>, &Feature) -> Column;
 /// Adds the values of a column to a patch in the frames from this one on.
-type Take = fn(&mut Recording, usize, usize, &Column) -> Result<(), Fault>;
+type Take = fn(&mut Recording, usize, usize, &Column) -> Result<(), ColumnFault>;
 
 /// A column of frames.
 pub(crate) struct FrameColumn {
@@ -106,8 +106,8 @@ pub(crate) fn take_rows<T: Value>(
     first: usize,
     patch: usize,
     column: &Column,
-    take: fn(&mut Recording, Place, &[T]) -> Result<(), Fault>,
-) -> Result<(), Fault> {
+    take: fn(&mut Recording, Place, &[T]) -> Result<(), ColumnFault>,
+) -> Result<(), ColumnFault> {
     let place = |row: usize| Place { frame: first + row, patch };
     (0..column.count()).try_for_each(|row| take(recording, place(row), column.row(row).unwrap_or_default()))
 }
@@ -142,7 +142,7 @@ macro_rules! frame_columns {
 pub(crate) use frame_columns;
 
 /// Sets a field.
-pub(crate) fn set<T>(field: &mut T, value: T) -> Result<(), Fault> {
+pub(crate) fn set<T>(field: &mut T, value: T) -> Result<(), ColumnFault> {
     *field = value;
     Ok(())
 }

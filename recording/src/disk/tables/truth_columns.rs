@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 
 use crate::disk::table::Width;
 use crate::disk::tables::frames::{
-    Fault, FrameColumn, Place, ReachRows, frame_columns, give_readings, is_nothing, reading_of, readings_of, set,
+    ColumnFault, FrameColumn, Place, ReachRows, frame_columns, give_readings, is_nothing, reading_of, readings_of, set,
 };
 use crate::{ContactPoint, Recording, TrackPoint};
 
@@ -89,7 +89,7 @@ pub(crate) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
 };
 
 /// The object with an index that a table holds.
-pub(crate) fn object_of(recording: &Recording, index: i32) -> Result<Option<u16>, Fault> {
+pub(crate) fn object_of(recording: &Recording, index: i32) -> Result<Option<u16>, ColumnFault> {
     if index == i32::from(NONE) {
         return Ok(None);
     }
@@ -100,7 +100,7 @@ pub(crate) fn object_of(recording: &Recording, index: i32) -> Result<Option<u16>
 }
 
 /// An error unless a code is that of the category of an object, if there is one.
-pub(crate) fn check_code(recording: &Recording, object: Option<u16>, found: i8) -> Result<(), Fault> {
+pub(crate) fn check_code(recording: &Recording, object: Option<u16>, found: i8) -> Result<(), ColumnFault> {
     let Some(object) = object else { return Ok(()) };
     let expected = recording.objects[usize::from(object)].category.code();
     let allowed = || format!("{expected}, the category of object {object}");
@@ -146,7 +146,7 @@ impl ContactPoint {
 }
 
 /// Adds the contacts of a frame.
-fn add_contact_points(recording: &mut Recording, place: Place, from: &[f32]) -> Result<(), Fault> {
+fn add_contact_points(recording: &mut Recording, place: Place, from: &[f32]) -> Result<(), ColumnFault> {
     let (points, rest) = from.as_chunks();
     let points: Option<Vec<ContactPoint>> = points.iter().map(ContactPoint::from_numbers).collect();
     match points {
@@ -172,7 +172,7 @@ fn moves_in<'a>(rows: &'a ReachRows, place: Place) -> &'a [(usize, TrackPoint)] 
 }
 
 /// Adds points without poses to the tracks of the bodies that moved in a frame.
-fn add_moved_bodies(recording: &mut Recording, place: Place, from: &[i32]) -> Result<(), Fault> {
+fn add_moved_bodies(recording: &mut Recording, place: Place, from: &[i32]) -> Result<(), ColumnFault> {
     let count = recording.bodies.len();
     for (nth, index) in from.iter().enumerate() {
         let found = usize::try_from(*index).ok().and_then(|index| recording.bodies.get_mut(index));
@@ -190,7 +190,7 @@ fn add_moved_bodies(recording: &mut Recording, place: Place, from: &[i32]) -> Re
 }
 
 /// Adds the poses to the points of a frame.
-fn add_poses(recording: &mut Recording, place: Place, from: &[f32]) -> Result<(), Fault> {
+fn add_poses(recording: &mut Recording, place: Place, from: &[f32]) -> Result<(), ColumnFault> {
     let mut points = Vec::new();
     for body in &mut recording.bodies {
         let point = body.track.binary_search_by_key(&place.frame, |point| point.frame as usize);

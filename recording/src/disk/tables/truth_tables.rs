@@ -7,7 +7,7 @@ use crate::disk::table::{Batch, EpisodeRows, Text};
 use crate::disk::tables::dictionary::{
     MapRow, TruthContact, TruthContactPoint, TruthGoal, TruthObject, TruthPatch, TruthPose, TruthTaxel,
 };
-use crate::disk::tables::frames::{Fault, Place, is_nothing, reading_of};
+use crate::disk::tables::frames::{ColumnFault, Place, is_nothing, reading_of};
 use crate::disk::tables::truth_columns::{NONE, check_code, object_of};
 use crate::{
     Body, BodyOwner, Category, Contact, ContactPoint, DiskError, GoalRecord, MappedObstacle, ObjectRecord,
@@ -326,7 +326,7 @@ pub(crate) fn add_taxels(rows: &EpisodeRows, recording: &mut Recording) -> Resul
             let allowed = format!("the index of a taxel in a patch of {count}");
             batch.error("taxel", row.taxel.to_string(), allowed)
         })?;
-        let fault = |column: &'static str| move |(found, allowed): Fault| batch.error(column, found, allowed);
+        let fault = |column: &'static str| move |(found, allowed): ColumnFault| batch.error(column, found, allowed);
         let object = object_of(recording, row.object_index).map_err(fault("object_index"))?;
         check_code(recording, object, row.category_code).map_err(fault("category_code"))?;
         let reading = reading_of(recording, place, taxel);

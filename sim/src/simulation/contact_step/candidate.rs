@@ -10,7 +10,7 @@ use crate::contact::chord::Faces;
 use crate::contact::law::{Law, NormalSpeeds};
 use crate::contact::patch::Node;
 use crate::contact::plane::{Pair, Plane};
-use crate::contact::settle::{Known, settle};
+use crate::contact::settle::{KnownContact, settle};
 use crate::contact::solver::ROWS;
 use crate::dynamics::Tree;
 use crate::simulation::mount::Mount;
@@ -25,7 +25,7 @@ pub(super) struct Candidate {
     pub(super) body_poses: [WorldPose; 2],
     pub(super) plane: Plane,
     /// Where the next step begins to look for it.
-    pub(super) next: Known,
+    pub(super) next: KnownContact,
     pub(super) law: Law,
     pub(super) nodes: (usize, usize),
     pub(super) center: DVec2,
@@ -133,7 +133,7 @@ impl ContactStep {
             if let Some(patch) = &kept.patch {
                 let origin_world = body_pose.transform_point(patch.origin);
                 let region = Some((patch.outline, body_pose.transform_vector(patch.strip)));
-                let known = Known { origin_world, normal_world, region };
+                let known = KnownContact { origin_world, normal_world, region };
                 let first_node = nodes.len();
                 if let Some(candidate) = meeting.candidate(&known, Some(patch), nodes, faces)
                     && deepest_m(&nodes[first_node..]) < MAX_KEPT_OVERLAP_M
@@ -156,7 +156,7 @@ impl ContactStep {
         let patch = kept.and_then(|kept| kept.patch.as_ref());
         let first_node = nodes.len();
         for normal_world in flipped.into_iter().chain([nearest_world]) {
-            let known = Known { origin_world, normal_world, region: None };
+            let known = KnownContact { origin_world, normal_world, region: None };
             if let Some(candidate) = meeting.candidate(&known, patch, nodes, faces) {
                 if flipped != Some(normal_world)
                     || flipped == apart_before
@@ -189,7 +189,7 @@ impl Meeting<'_> {
     /// The patch of a contact that is roughly known, if it may press.
     fn candidate(
         &self,
-        known: &Known,
+        known: &KnownContact,
         kept: Option<&KeptPatch>,
         nodes: &mut Vec<Node>,
         faces: &mut [Faces; 2],

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use allocation_counter::measure;
 use glam::DVec3;
 
-use crate::simulation::{Contact, Simulation, State};
+use crate::simulation::{Simulation, State, StepContact};
 use crate::{ReachPlan, Scene};
 
 /// Many leaves and a few trunks, which the arm meets with several links.
@@ -121,7 +121,7 @@ fn an_object_that_was_touched_is_not_taken_out() {
     let world = &mut state.world;
     let dormant = world.mechanisms.iter().position(Option::is_none).unwrap();
     world.insert(model, dormant);
-    let touch = Contact {
+    let touch = StepContact {
         link: 0,
         object: Some(dormant),
         body: 0,

@@ -11,7 +11,7 @@ use super::bare::BareSurface;
 use super::contacts::{judged, largest_share, touches};
 use super::map::{Caution, Map, Touch};
 use super::*;
-use crate::controller::{TaxelContact, Touched, Verdict};
+use crate::controller::{ContactVerdict, TaxelContact, Touched};
 use crate::reach::ReachPlan;
 use crate::scene::{ProgressRule, Scene};
 use underbrush_recording::Outcome;
@@ -110,7 +110,7 @@ fn a_path_takes_the_steps_of_its_slowest_joint() {
 
 /// A contact on a lever of one joint: a positive change of the angle moves it along x.
 fn contact(force_n: f64, inward: DVec3, category: Option<(&str, f64)>) -> TaxelContact {
-    let named = |name: &str| Verdict { touched: Touched::Category(name.into()), probability: 0.9 };
+    let named = |name: &str| ContactVerdict { touched: Touched::Category(name.into()), probability: 0.9 };
     TaxelContact {
         patch: 0,
         taxel: 0,
@@ -130,7 +130,7 @@ fn contact(force_n: f64, inward: DVec3, category: Option<(&str, f64)>) -> TaxelC
 #[test]
 fn allowed_forces_decide_what_is_fixed() {
     let plain = |force_n: f64| contact(force_n, DVec3::NEG_X, None);
-    let uncertain = Some(Verdict { touched: Touched::Uncertain, probability: 0.6 });
+    let uncertain = Some(ContactVerdict { touched: Touched::Uncertain, probability: 0.6 });
     let contacts = [
         contact(1.0, DVec3::NEG_X, Some(("reed", 1.5))),
         contact(1.0, DVec3::NEG_X, Some(("trunk", 5.0))),
