@@ -11,6 +11,7 @@
 use std::process::ExitCode;
 
 use rayon::prelude::*;
+use underbrush_recording::math::larger;
 use underbrush_recording::{Audit, GoalOutcomes, Recording};
 use underbrush_sim::reach::{ReachError, ReachPlan};
 use underbrush_sim::scene::Scene;
@@ -68,7 +69,7 @@ fn sweep(reaches: usize, scenes: &[String]) -> Result<(), ReachError> {
             .map(|index| Ok(digest(&plan.run(index as u64, &mut |_| {})?)))
             .collect::<Result<_, ReachError>>()?;
         let goals: GoalOutcomes = digests.iter().map(|digest| digest.goals).sum();
-        let worst = |get: &dyn Fn(&Digest) -> f64| digests.iter().map(get).fold(0.0, f64::max);
+        let worst = |get: &dyn Fn(&Digest) -> f64| digests.iter().map(get).fold(0.0, larger);
         let audit: Vec<String> =
             Audit::FIELDS.iter().map(|field| format!("{:.1e}", worst(&|digest| (field.get)(&digest.audit)))).collect();
         println!(

@@ -4,14 +4,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use serde_json::Value;
 use underbrush_classifier::evaluate::EvaluateError;
 use underbrush_classifier::evaluate::touch_folds::ReadReaches;
 use underbrush_classifier::trial::Unit;
-use underbrush_classifier::{DataKind, DataSource, ModelError, Provenance};
+use underbrush_classifier::{DataKind, DataSource, ModelError};
 use underbrush_experiments::{contact_trials, model_data};
 use underbrush_recording::disk::{
-    Dataset, DiskError, file_blake3, is_folder, is_recording, is_there, read_recording, read_trials, with_recordings,
+    Dataset, DiskError, is_folder, is_recording, is_there, read_recording, read_trials, recording_header,
+    with_recordings,
 };
 use underbrush_recording::{Fault, InputError, Recording, Trial};
 use underbrush_sim::controller::ControllerKind;
@@ -38,7 +38,7 @@ pub fn only(paths: &[PathBuf]) -> Result<&Path, Failure> {
 pub struct TrialInput {
     pub trials: Vec<Trial>,
     pub data: Vec<DataSource>,
-    /// What a trial of a data set or a recording is made of. A table does not say it.
+    /// What trials of a data set or a recording are cut by.
     by: Unit,
 }
 
@@ -48,17 +48,9 @@ impl TrialInput {
         self.data.iter().any(|own| own.kind == DataKind::Trials)
     }
 
-    /// Warns if these trials, read from `path`, are of taxels and those that a model was fitted to of components, or the reverse.
-    pub fn warn_of_unit(&self, path: &Path, model: &Provenance) {
-        let own = if self.by == Unit::Taxel { "taxel" } else { "component" };
-        let fitted = model.options.get("by").and_then(Value::as_str).filter(|fitted| *fitted != own);
-        if let Some(fitted) = fitted.filter(|_| !self.is_table()) {
-            let path = path.display();
-            output::remark(format!(
-                "warning: {path}: trials by {own}, but the model was fitted to trials by {fitted}, so do not trust its verdicts here; \
-                 use trials by {fitted}"
-            ));
-        }
+    /// What a trial is made of. A table does not say it, but its samples may tell.
+    pub fn unit(&self) -> Option<Unit> {
+        if self.is_table() { Unit::of(&self.trials) } else { Some(self.by) }
     }
 }
 
@@ -147,7 +139,7 @@ pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<TrialInput, Fai
         let places: Vec<Place> = reaches.places().collect();
         let read = |place: usize| -> Result<_, Fault> { Ok(read_one(places[place])?) };
         let trials = contact_trials::of_reaches(places.len(), &arguments.options()?, &Shown, read).map_err(about)?;
-        (trials, reaches.data()?)
+        (trials, reaches.data())
     } else if is_recording(path)? {
         let recording = read_recording(path)?;
         let cut = contact_trials::of_recording(&recording, &arguments.options()?);
@@ -169,12 +161,19 @@ pub fn controller() -> impl TypedValueParser<Value = ControllerKind> {
 
 /// The reaches of some data sets and recordings, in the order in which they are given.
 pub struct Reaches {
-    /// Each with its data set; a recording has none.
-    sources: Vec<(PathBuf, Option<Dataset>)>,
+    sources: Vec<Source>,
+}
+
+/// A data set or a recording.
+struct Source {
+    path: PathBuf,
+    /// A recording has none.
+    dataset: Option<Dataset>,
+    data: DataSource,
 }
 
 /// What commands that need trials accept.
-pub const WITH_TRIALS: &str = "a data set (folder), recording, folder of recordings or table of trials";
+const WITH_TRIALS: &str = "a data set (folder), recording, folder of recordings or table of trials";
 
 /// What commands that need whole frames accept.
 const WITH_FRAMES: &str = "data sets or folders of recordings, or recordings (.parquet), which hold whole frames";
@@ -189,22 +188,22 @@ impl Reaches {
         let paths = with_recordings(paths)?;
         let source = |path: &PathBuf| {
             check_exists(path, WITH_FRAMES)?;
-            let dataset = if is_folder(path)? {
-                Some(Dataset::open(path)?)
+            let (dataset, data) = if is_folder(path)? {
+                let dataset = Dataset::open(path)?;
+                let data = model_data::of_reaches(&dataset, dataset.episodes().iter());
+                (Some(dataset), data)
             } else if is_recording(path)? {
-                None
+                (None, model_data::of_file(path, &recording_header(path)?)?)
             } else {
                 let remedy = "give the data set or recording that the trials were taken from";
                 let found = "a table of trials or another file";
                 return Err(InputError::new(path, "input", found, WITH_FRAMES, remedy).into());
             };
-            // Two names and two copies of one file are one file.
-            let content = dataset.as_ref().map_or_else(|| file_blake3(path), |dataset| Ok(dataset.data_blake3()))?;
-            Ok((content, (path.clone(), dataset)))
+            Ok(Source { path: path.clone(), dataset, data })
         };
-        let read = paths.iter().map(source).collect::<Result<Vec<_>, Failure>>()?;
-        let (contents, sources): (Vec<String>, Vec<_>) = read.into_iter().unzip();
-        model_data::require_once("input", contents.iter().zip(&paths))?;
+        let sources = paths.iter().map(source).collect::<Result<Vec<_>, Failure>>()?;
+        // Two names and two copies of one file are one file.
+        model_data::require_once("input", sources.iter().map(|own| (&own.data.blake3, &own.path)))?;
         Ok(Reaches { sources })
     }
 
@@ -214,12 +213,8 @@ impl Reaches {
     }
 
     /// What the data sets and recordings are.
-    pub fn data(&self) -> Result<Vec<DataSource>, Failure> {
-        let source = |(path, dataset): &(PathBuf, Option<Dataset>)| match dataset {
-            Some(dataset) => Ok(model_data::of_reaches(dataset, dataset.episodes().iter())),
-            None => Ok(model_data::of_path(path)?),
-        };
-        self.sources.iter().map(source).collect()
+    pub fn data(&self) -> Vec<DataSource> {
+        self.sources.iter().map(|own| own.data.clone()).collect()
     }
 
     /// Reads one reach after the other.
@@ -228,18 +223,18 @@ impl Reaches {
     }
 
     fn places(&self) -> impl Iterator<Item = Place<'_>> {
-        self.sources.iter().flat_map(|(path, dataset)| {
-            let reaches = dataset.as_ref().map_or(1, |dataset| dataset.episodes().len());
-            (0..reaches).map(move |index| (path, dataset.as_ref(), index))
+        self.sources.iter().flat_map(|source| {
+            let reaches = source.dataset.as_ref().map_or(1, |dataset| dataset.episodes().len());
+            (0..reaches).map(move |index| (source, index))
         })
     }
 }
 
-/// A reach as its file or folder, and the data set there with its index in it.
-type Place<'a> = (&'a PathBuf, Option<&'a Dataset>, usize);
+/// A reach as what it is in, and its index there.
+type Place<'a> = (&'a Source, usize);
 
-fn read_one((path, dataset, index): Place) -> Result<Recording, DiskError> {
-    dataset.map_or_else(|| read_recording(path), |dataset| dataset.read_reach(index))
+fn read_one((source, index): Place) -> Result<Recording, DiskError> {
+    source.dataset.as_ref().map_or_else(|| read_recording(&source.path), |dataset| dataset.read_reach(index))
 }
 
 impl ReadReaches for Reaches {
@@ -258,7 +253,7 @@ impl ReadReaches for Reaches {
         let kept: Vec<_> = self.places().enumerate().filter(|(position, _)| keeps(*position)).collect();
         let bar = progress::bar(kept.len() as u64, "reaches read");
         for (_, place) in kept {
-            each(&read_one(place)?).map_err(|failure| failure.about(place.0))?;
+            each(&read_one(place)?).map_err(|failure| failure.about(&place.0.path))?;
             bar.inc(1);
         }
         Ok(())

@@ -12,6 +12,7 @@ use crate::model_file::Model;
 use crate::onnx::load as load_onnx;
 use crate::provenance::Provenance;
 use crate::touch::{TOUCH_FORMAT, TouchClassifier, TouchModel};
+use crate::trial::Unit;
 use crate::{Decision, OnlineClassifier, OnlineError, OnlineOptions};
 
 /// A model of either kind.
@@ -97,8 +98,9 @@ pub enum OnlineJudge {
 
 impl OnlineModel {
     /// A classifier of trials, with its own decision. The patch is the first one and the threshold that of trials unless they
-    /// are given.
+    /// are given. Warns of a model of components, because each taxel is judged.
     pub fn of_trials(model: Model, patch: Option<String>, threshold_n: Option<f64>) -> Self {
+        model.provenance.warn_of_unit("frame by frame", Some(Unit::Taxel));
         let decision = model.decision.clone().unwrap_or(Decision::argmax());
         OnlineModel::OfTrials(Box::new(model), OnlineOptions::new(patch, threshold_n, decision))
     }

@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use underbrush_recording::FRAME_PERIOD_S;
 
+use crate::trial::Unit;
+
 /// Where a model comes from. A file may hold further keys, for instance of a user's own.
 ///
 /// ```
@@ -68,6 +70,19 @@ impl Provenance {
             if self.warn_of_rate(&subject, own.known_rate_hz()) {
                 return;
             }
+        }
+    }
+
+    /// Warns if trials, called `subject`, are made of something else than those that the model was fitted to. Nothing is said if
+    /// either is unknown.
+    pub fn warn_of_unit(&self, subject: impl Display, unit: Option<Unit>) {
+        let fitted = self.options.get("by").and_then(Value::as_str);
+        let (Some(own), Some(fitted)) = (unit.map(Unit::name), fitted) else { return };
+        if own != fitted {
+            log::warn!(
+                "warning: {subject}: trials by {own}, but the model was fitted to trials by {fitted}, so do not trust its verdicts \
+                 here; use trials by {fitted}"
+            );
         }
     }
 

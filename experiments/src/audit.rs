@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use underbrush_recording::disk::Episode;
 use underbrush_recording::{Audit, GoalOutcomes, NamedStop, Recording, SkinLayout};
-use underbrush_sim::audit::{Bound, bounds};
+use underbrush_sim::audit::{Bound, bounds, exceeds};
 
 /// Summary of how some reaches ended.
 #[derive(Clone, Serialize)]
@@ -94,7 +94,9 @@ pub struct Worst {
 pub fn worst(episodes: &[Episode], layout: &SkinLayout) -> BTreeMap<&'static str, Worst> {
     let bounds: Vec<Bound> = bounds(layout).collect();
     let of_field = |name: &str, get: fn(&Audit) -> f64| {
-        let worst = episodes.iter().max_by(|a, b| get(&a.audit).total_cmp(&get(&b.audit)))?;
+        // The sign of NaN says nothing.
+        let size = |episode: &Episode| get(&episode.audit).abs();
+        let worst = episodes.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
         Some(Worst {
             value: get(&worst.audit),
             bound: bounds.iter().find(|bound| bound.field.name == name).map(|bound| bound.max),
@@ -127,7 +129,7 @@ type Audited<'a> = (&'a str, u64, &'a Audit);
 /// ```
 pub fn exceeded_bounds(audit: &Audit, layout: &SkinLayout) -> Vec<String> {
     let values = bounds(layout).map(|Bound { field, max, .. }| (field.name, (field.get)(audit), max));
-    let exceeded = values.filter(|(_, value, max)| value > max);
+    let exceeded = values.filter(|(_, value, max)| exceeds(*value, *max));
     exceeded.map(|(name, value, max)| format!("{name} is {value:.1e}; the bound is {max:.1e}")).collect()
 }
 
@@ -166,8 +168,8 @@ fn untouched<'a>(
 fn passed_bounds(reaches: &[Audited], layout: &SkinLayout) -> Vec<String> {
     let warning = |Bound { field, max, reason }: Bound| {
         let value = |(_, _, audit): &Audited| (field.get)(audit);
-        let exceeding: Vec<&Audited> = reaches.iter().filter(|reach| value(reach) > max).collect();
-        let worst = exceeding.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?;
+        let exceeding: Vec<&Audited> = reaches.iter().filter(|reach| exceeds(value(reach), max)).collect();
+        let worst = exceeding.iter().max_by(|a, b| value(a).abs().total_cmp(&value(b).abs()))?;
         let (name, count, all, largest) = (field.name, exceeding.len(), reaches.len(), value(worst));
         let (scene, reach_index, _) = worst;
         Some(format!(
@@ -188,6 +190,16 @@ fn passed_bounds(reaches: &[Audited], layout: &SkinLayout) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Tests that a figure that is NaN, whatever its sign, exceeds its bound and is the worst.
+    #[test]
+    fn nan_is_the_worst() {
+        let layout = SkinLayout::default();
+        let [large, nan] = [0.5, -f64::NAN].map(|energy_residual| Audit { energy_residual, ..Audit::default() });
+        assert_eq!(exceeded_bounds(&nan, &layout), ["energy_residual is NaN; the bound is 2.0e-2"]);
+        let found = passed_bounds(&[("leaf", 0, &nan), ("leaf", 1, &large)], &layout);
+        assert!(found.len() == 1 && found[0].contains("in 2 of 2 reaches, most in reach 0 of leaf: NaN"), "{found:?}");
+    }
 
     /// Tests that the worst of several reaches that exceed a bound is named with residual, bound and value, and that
     /// reaches within all bounds are not mentioned.

@@ -37,7 +37,7 @@ pub use definition::{Experiment, Unit};
 pub use progress::{Counter, Progress, Silent, show_warnings};
 pub use results::Results;
 pub use session::Session;
-pub use table_cell::{Cell, CellKey, unit_name};
+pub use table_cell::{Cell, CellKey};
 pub use verdict_controller::VerdictControl;
 
 use session::in_parallel;

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::Value;
 use underbrush_classifier::{DataKind, DataSource, Provenance, frequencies};
-use underbrush_recording::disk::{Episode, file_blake3, is_folder, is_recording, read_trials, recording_header};
+use underbrush_recording::disk::{Episode, file_blake3};
 use underbrush_recording::{Dataset, DiskError, InputError, Recording, Trial, period_s};
 
 use crate::dataset::PROGRAM_VERSION;
@@ -76,18 +76,6 @@ pub fn check_tested(
         (None, None) => of(tested).warn_of_several_rates(),
     }
     Ok(())
-}
-
-/// A data set, a recording or a table of trials.
-///
-/// # Errors
-/// [`DiskError`] if it cannot be read.
-pub fn of_path(path: &Path) -> Result<DataSource, DiskError> {
-    if is_folder(path)? {
-        let dataset = Dataset::open(path)?;
-        return Ok(of_reaches(&dataset, dataset.episodes().iter()));
-    }
-    if is_recording(path)? { of_file(path, &recording_header(path)?) } else { of_table(path, &read_trials(path)?) }
 }
 
 /// A recording that was read from this file.

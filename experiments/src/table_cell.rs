@@ -41,21 +41,13 @@ pub struct CellKey {
 impl CellKey {
     /// The cell without its recipe, as text.
     pub fn name(&self) -> String {
-        let (by, features) = (unit_name(self.by), self.features);
+        let (by, features) = (self.by.name(), self.features);
         format!("{by}, {features}, {} states", self.states)
     }
 
     /// The cell with its recipe, as text.
     pub fn with_recipe(&self) -> String {
         format!("{}, {} recipe", self.name(), self.recipe)
-    }
-}
-
-/// `component` or `taxel`.
-pub fn unit_name(unit: Unit) -> &'static str {
-    match unit {
-        Unit::Component => "component",
-        Unit::Taxel => "taxel",
     }
 }
 

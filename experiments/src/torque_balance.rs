@@ -37,8 +37,9 @@ pub struct TorqueBalance {
     pub joint_impulse_nm_s: f64,
     /// Sum of the norms of the impulse that is missing, as a share of these two.
     pub residual_share: f64,
-    /// What the share should not exceed. It is larger if the contacts are mostly too weak to compare with.
-    pub bound: f64,
+    /// What the share should not exceed. It is larger if the contacts are mostly too weak to compare with, and `None` if
+    /// it would be 1 or more, which says nothing.
+    pub bound: Option<f64>,
 }
 
 /// Compares the torques of each scene of a data set.
@@ -80,7 +81,8 @@ impl TorqueBalance {
         let window_s = WINDOW_FRAMES as f64 * FRAME_PERIOD_S;
         let weak_nm_s = min_contact_torque_nm(arm) * window_s * f64::from(self.windows);
         // Without windows this is NaN, which `max` passes over.
-        self.bound = BOUND * (weak_nm_s / all_nm_s).max(1.0);
+        let bound = BOUND * (weak_nm_s / all_nm_s).max(1.0);
+        self.bound = (bound < 1.0).then_some(bound);
         self.residual_share = if self.windows > 0 { missing_nm_s / all_nm_s } else { 0.0 };
     }
 }
@@ -177,12 +179,30 @@ mod tests {
             balance
         };
         let sound = balance(&frames);
-        assert!(sound.bound > BOUND && sound.residual_share < sound.bound, "{sound:?}");
+        let bound = sound.bound.unwrap();
+        assert!(bound > BOUND && sound.residual_share < bound, "{sound:?}");
         for point in frames.iter_mut().flat_map(|frame| &mut frame.contact_points) {
             point.force_world *= 1.5;
         }
         let wrong = balance(&frames);
-        assert!(wrong.residual_share > wrong.bound, "{wrong:?}");
+        assert!(wrong.residual_share > wrong.bound.unwrap(), "{wrong:?}");
+    }
+
+    /// Tests that an arm at rest on which no more than a millinewton presses has no bound, which would be above 1.
+    #[test]
+    fn contacts_that_are_too_weak_have_no_bound() {
+        let plan = ReachPlan::new(Scene::open("trunk").unwrap(), None, 11).unwrap();
+        let frames = plan.run(0, &mut |_| {}).unwrap().frames;
+        let mut point = frames.iter().find_map(|frame| frame.contact_points.first().copied()).unwrap();
+        point.force_world = point.normal_world * 1e-3;
+        point.moment_world *= 0.0;
+        let mut still = frames[0].clone();
+        still.joint_velocity_rad_per_s.fill(0.0);
+        still.joint_torque_nm.fill(0.0);
+        still.contact_points = vec![point];
+        let mut balance = TorqueBalance::default();
+        balance.observe(&plan.arm, &vec![still; WINDOW_FRAMES + 1]);
+        assert_eq!((balance.windows, balance.bound), (1, None), "{balance:?}");
     }
 
     /// Tests that the torques of a reach balance, and that they do not if the stored forces were 30 % too large.

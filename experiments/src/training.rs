@@ -127,8 +127,9 @@ impl Trials {
         let labels: Vec<&str> = experiment.file.training.iter().map(|own| own.label.as_str()).collect();
         let is_labelled = options.labels == Labels::Environment;
         let mut trials = Trials::default();
-        let placed = parts.into_iter().enumerate().zip(jobs_of(reaches.iter().copied()));
-        placed.for_each(|((place, own), job)| trials.append(place, is_labelled.then(|| labels[job.plan]), own));
+        for ((place, own), job) in parts.into_iter().enumerate().zip(jobs_of(reaches.iter().copied())) {
+            trials.append(place, is_labelled.then(|| labels[job.plan]), own);
+        }
         trials
     }
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use underbrush_classifier::any_model::{self, AnyModel, OnlineJudge};
 use underbrush_classifier::touch::TOUCH_FORMAT;
+use underbrush_classifier::trial::Unit;
 use underbrush_classifier::{Decision, FORMAT, Model, OnlineClassifier, OnlineOptions, Scores};
 use underbrush_recording::InputError;
 
@@ -21,6 +22,7 @@ pub struct PyModel {
 impl PyModel {
     fn scores_of_all(&self, py: Python<'_>, trials: &Trials) -> Result<Vec<Vec<f64>>, Failure> {
         self.model.provenance.warn_of_rates("trials", &trials.sources);
+        self.model.provenance.warn_of_unit("trials", Unit::of(&trials.list));
         watched(py, None, &Arc::default(), None, |_| Ok(self.model.classifier.scores_of_all(&trials.all())?))
     }
 
@@ -155,6 +157,7 @@ impl PyModel {
         decision: Option<&Bound<'_, PyAny>>,
     ) -> Result<Online, Failure> {
         let options = OnlineOptions::new(patch, threshold_n, self.deciding(decision)?);
+        self.model.provenance.warn_of_unit("frame by frame", Some(Unit::Taxel));
         let classifier = OnlineClassifier::new(self.model.classifier.as_ref(), &skin.layout, &options)?;
         let needs_pose_of = options.needs_pose_of(self.model.classifier.as_ref(), &skin.layout);
         let judge = OnlineJudge::OfTrials(Box::new(classifier));

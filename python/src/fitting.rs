@@ -12,6 +12,7 @@ use underbrush_classifier::evaluate::{
 };
 use underbrush_classifier::fit_options::FitOptions;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
+use underbrush_classifier::trial::Unit;
 use underbrush_classifier::{ClassifierKind, DataKind, DataSource, Estimator, HmmClassifier, Model, Recipe, Scores};
 use underbrush_experiments::model_data;
 
@@ -93,6 +94,7 @@ pub fn fit(
         let Some(start) = start else { return Ok(Model::new(options.estimator()?.fit(&trials.all())?)) };
         let (models, training) = (start.model.hmm()?, training.unwrap_or_default());
         start.model.warn_of_further_training("start", "trials", &trials.sources);
+        start.model.provenance.warn_of_unit("trials", Unit::of(&trials.list));
         Ok(Model::new(Box::new(HmmClassifier::train_from(models, &trials.list, &training)?)))
     };
     let model = watched(py, jobs, &Arc::default(), None, |_| {
@@ -167,6 +169,7 @@ pub fn evaluate_trials<'py>(
             let is_selected = provenance.data.iter().any(|data| data.kind == DataKind::Trials && data.name.is_none());
             let tested = if is_selected { exactly(trials) } else { trials.sources.clone() };
             model_data::check_tested(("trials", &tested), Some(provenance), None)?;
+            provenance.warn_of_unit("trials", Unit::of(list));
             Ok(evaluate(classifier.as_ref(), list, &decision)?)
         })?);
     }
@@ -186,7 +189,11 @@ pub fn evaluate_trials<'py>(
     let own = Folds { count: folds.unwrap_or(Folds::COUNT), by: by.unwrap_or_else(|| FoldBy::advised(list)) };
     let judged = watched(py, jobs, &raised, None, |_| match train {
         Some(train) => {
-            let (fitted, tested) = (exactly(train), exactly(trials));
+            let (fitted, tested) = if train.overlap(trials) {
+                (train.sources.clone(), trials.sources.clone())
+            } else {
+                (exactly(train), exactly(trials))
+            };
             let given = Some((Path::new("argument"), "train", fitted.as_slice()));
             model_data::check_tested(("trials", &tested), None, given)?;
             let fitted = Model::new(estimator.fit(&train.all())?);

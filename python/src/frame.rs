@@ -35,8 +35,9 @@ impl PyFrame {
     ) -> Result<Vec<T>, Failure> {
         let index = patch_index(&self.layout, patch)?;
         let mut numbers = vec![none; self.layout.patches[index].taxels.len()];
-        let readings = self.frame.taxels.iter().filter(|reading| usize::from(reading.patch) == index);
-        readings.for_each(|reading| numbers[usize::from(reading.taxel)] = number(reading));
+        for reading in self.frame.taxels.iter().filter(|reading| usize::from(reading.patch) == index) {
+            numbers[usize::from(reading.taxel)] = number(reading);
+        }
         Ok(numbers)
     }
 }

@@ -171,18 +171,20 @@ fn each<T: Send + Clone>(
 }
 
 /// The page with some reaches of data sets, recordings, folders of recordings and tables of trials inside, as the text of one HTML file.
+/// ``limit_n`` is what controllers allow a taxel, N, where no data set says it.
 #[pyfunction]
-#[pyo3(signature = (paths, reaches = None, *, model = None, patch = None))]
+#[pyo3(signature = (paths, reaches = None, *, model = None, patch = None, limit_n = None))]
 pub fn replay_page(
     py: Python<'_>,
     paths: Vec<PathBuf>,
     reaches: Option<Vec<usize>>,
     model: Option<PathBuf>,
     patch: Option<String>,
+    limit_n: Option<f64>,
 ) -> Result<String, Failure> {
     watched(py, None, &Arc::default(), None, |_| {
         let judging = model.map(|path| Judging::load(&path, patch.as_deref())).transpose()?;
-        let source = Source::open(&with_recordings(&paths)?, known(None), judging)?;
+        let source = Source::open(&with_recordings(&paths)?, known(limit_n), judging)?;
         let all = (0..source.reaches.len()).collect();
         Ok(single_file(&source, &reaches.unwrap_or(all), MAX_PAGE_BYTES)?)
     })

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use underbrush_classifier::DataSource;
 use underbrush_experiments::{VerdictControl, audit, contact_trials, dataset, model_data};
 use underbrush_recording::disk::{
-    Dataset, Episode, check_free, read_recording, recording_columns, recording_header, recording_table, write_recording,
+    Dataset, Episode, check_free, read_recording, recording_columns, recording_table, write_recording,
 };
 use underbrush_recording::{Body, Recording, SkinLayout};
 use underbrush_render::Stage;
@@ -37,6 +37,8 @@ pub struct Reach {
     source: Source,
     /// The file that it was loaded from.
     file: Option<DataSource>,
+    /// What the controller allowed a taxel, N, if the reach was simulated here. Recordings do not say it.
+    stated_limit_n: Option<f64>,
     /// Name of the scene.
     #[pyo3(get)]
     scene: String,
@@ -73,6 +75,7 @@ impl Reach {
         Reach {
             source,
             file: None,
+            stated_limit_n: None,
             scene: own.scene,
             controller: own.controller,
             seed_and_index: (own.seed, own.reach_index),
@@ -124,10 +127,12 @@ impl Reach {
         sources
     }
 
-    /// What the controller allows a taxel, N, if a data set says it.
+    /// What the controller allows a taxel, N, if it is known.
     fn limit_n(&self) -> Option<f64> {
-        let Source::Dataset(dataset, index) = &self.source else { return None };
-        dataset.force_limit_n(*index)
+        match &self.source {
+            Source::Memory(_) => self.stated_limit_n,
+            Source::Dataset(dataset, index) => dataset.force_limit_n(*index),
+        }
     }
 
     fn skin_layout(&self) -> Arc<SkinLayout> {
@@ -161,8 +166,11 @@ impl Reach {
     /// Read a recording from its file.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> Result<Self, Failure> {
-        let read = || Ok((read_recording(&path)?, model_data::of_file(&path, &recording_header(&path)?)?));
-        let (recording, file) = alone(py, read)?;
+        let (recording, file) = alone(py, || {
+            let recording = read_recording(&path)?;
+            let file = model_data::of_file(&path, &recording)?;
+            Ok((recording, file))
+        })?;
         Ok(Reach { file: Some(file), ..Reach::of_recording(recording) })
     }
 
@@ -344,6 +352,12 @@ impl Reach {
         Ok(Trials::new(list).cut_from(Reach::sources([self])))
     }
 
+    /// What the controller allows a taxel, N, if it is known.
+    #[getter]
+    fn _limit_n(&self) -> Option<f64> {
+        self.limit_n()
+    }
+
     /// Whether it is a robot's log. Then nobody knows controller, seed and outcome.
     #[getter]
     fn is_log(&self) -> bool {
@@ -366,7 +380,9 @@ impl Reach {
             }
             Source::Memory(_) => {
                 let bytes = py.import("underbrush._data")?.call_method1("bytes_of", (slf,))?;
-                ("_from_bytes", (bytes, json::value(&slf.get().file)?.to_string()).into_pyobject(py)?)
+                let own = slf.get();
+                let beside = json::value(&(&own.file, own.stated_limit_n))?.to_string();
+                ("_from_bytes", (bytes, beside).into_pyobject(py)?)
             }
         };
         Ok((py.get_type::<Reach>().getattr(call)?, (place.into_any(),)))
@@ -374,10 +390,11 @@ impl Reach {
 
     #[staticmethod]
     fn _from_bytes(place: (Bound<'_, PyBytes>, String)) -> Result<Self, Failure> {
-        let (bytes, file) = place;
+        let (bytes, beside) = place;
+        let (file, stated_limit_n) = json::unpickled(beside.as_bytes())?;
         let read = bytes.py().import("underbrush._data")?.call_method1("reach_of", (&bytes,))?;
         let recording = read.cast::<Reach>().map_err(PyErr::from)?.get().recording()?;
-        Ok(Reach { file: json::unpickled(file.as_bytes())?, ..Reach::new(Source::Memory(recording)) })
+        Ok(Reach { file, stated_limit_n, ..Reach::new(Source::Memory(recording)) })
     }
 
     #[staticmethod]
@@ -417,5 +434,6 @@ pub fn simulate(
     let run = |_: &_| Ok(plan.run_until(index, &mut |_| {}, &|| stop.is_set())?);
     let recording = watched(py, None, &stop, None, run)?;
     audit::reach_warnings(&recording).into_iter().for_each(show_warning);
-    Ok(Reach::of_recording(recording))
+    let stated_limit_n = plan.controller.preset().map(|preset| preset.force_limit_n);
+    Ok(Reach { stated_limit_n, ..Reach::of_recording(recording) })
 }

@@ -154,7 +154,11 @@ impl PyTouchModel {
             let mut data = sources(&reaches.0)?;
             let fitted = &self.model.provenance;
             // The model may have been fitted to the other reaches of a data set.
-            data.iter_mut().filter(|own| !reaches.overlap(own, &fitted.data)).for_each(|own| own.blake3.clear());
+            for own in &mut data {
+                if !reaches.overlap(own, &fitted.data) {
+                    own.blake3.clear();
+                }
+            }
             model_data::check_tested(("reaches", &data), Some(fitted), None)?;
             judge_touch(self.model.as_ref().clone(), &reaches)
         };
@@ -253,16 +257,16 @@ impl ReadReaches for Given {
         keeps: &dyn Fn(usize) -> bool,
         each: &mut dyn FnMut(&Recording) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        let mut kept = self.0.iter().enumerate().filter(|(position, _)| keeps(*position));
-        kept.try_for_each(|(_, place)| {
+        for (_, place) in self.0.iter().enumerate().filter(|(position, _)| keeps(*position)) {
             stop::check();
             match place {
-                Place::Reach(reach) => each(&*reach.get().read()?),
+                Place::Reach(reach) => each(&*reach.get().read()?)?,
                 Place::File(path) => each(&read_recording(path)?).map_err(|failure| match failure {
                     Failure::Fault(Fault::Usage(text)) => Fault::Usage(format!("{}: {text}", path.display())).into(),
                     other => other,
-                }),
+                })?,
             }
-        })
+        }
+        Ok(())
     }
 }

@@ -1,5 +1,6 @@
 //! Contact trials.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -43,6 +44,16 @@ impl Trials {
         let mut hashes: Vec<&str> = self.sources.iter().map(|source| &*source.blake3).collect();
         hashes.dedup();
         hashes
+    }
+
+    /// Whether some trials are in both, under whatever numbers. Trials of other data, and of few samples, may be equal by chance.
+    pub fn overlap(&self, other: &Trials) -> bool {
+        let contents = |trials: &Trials| -> BTreeSet<String> {
+            let long = trials.list.iter().filter(|trial| trial.samples.len() > 2);
+            long.map(|trial| model_data::in_memory(&(&trial.patch, trial.taxel, &trial.samples)).blake3).collect()
+        };
+        let is_same_data = self.data().iter().any(|data| other.data().contains(data));
+        is_same_data && !contents(self).is_disjoint(&contents(other))
     }
 
     fn some(&self, places: impl Iterator<Item = usize>) -> Self {
@@ -313,7 +324,9 @@ impl Trials {
         numbers.resize(count, f64::NAN);
         for (row, trial) in numbers.chunks_exact_mut(width.max(1)).zip(self.list.iter()) {
             let observations = set.observations(trial, Some(width))?;
-            row.iter_mut().zip(observations.samples()).for_each(|(place, own)| *place = own[0]);
+            for (place, own) in row.iter_mut().zip(observations.samples()) {
+                *place = own[0];
+            }
         }
         Ok(array::lend(py, numbers, &[self.list.len(), width])?)
     }

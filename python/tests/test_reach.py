@@ -19,6 +19,12 @@ def same(first: ub.Reach, second: ub.Reach) -> bool:
     return frames[0].equals(frames[1]) and truth[0] == truth[1]
 
 
+def test_a_reach_knows_its_force_limit() -> None:
+    """Tests that a reach that was simulated here, also after pickling, is drawn with the force limit of its scene."""
+    reach = ub.reach(quick("trunk").changed({"robot": {"force_limit_scale": 2.0}}))
+    assert reach._limit_n == pickle.loads(pickle.dumps(reach))._limit_n == 6.0
+
+
 def test_the_shipped_controller_called_from_python_moves_the_same() -> None:
     """Tests that a reach with the shipped controller called through Python is the same, bit for bit, as with the controller
     itself, also in a scene with factors on its speed and its force limit."""

@@ -154,10 +154,11 @@ def test_options_are_those_of_the_command_line(trials: ub.Trials, tmp_path: Path
 
 
 def test_tests_on_training_data_are_noticed(trials: ub.Trials) -> None:
-    """Tests that a classifier is not fitted to the trials that it is tested on, and that a model of these trials is warned of, but not
-    one of other trials of the same data."""
-    with pytest.raises(ub.InputError, match="train: found the same data to fit on and to test on; .* than the argument trials"):
-        ub.evaluate(trials, ub.Options("naive-bayes"), train=trials)
+    """Tests that a classifier is not fitted to trials that it is tested on, not even to some of them, and that a model of these trials
+    is warned of, but not one of other trials of the same data."""
+    for part in (trials, trials[:10]):
+        with pytest.raises(ub.InputError, match="train: found the same data to fit on and to test on; .* than the argument trials"):
+            ub.evaluate(part, ub.Options("naive-bayes"), train=trials)
     model = ub.fit(trials[::2], "naive-bayes")
     with pytest.warns(UserWarning, match="^trials: the model was fitted to these data"):
         ub.evaluate(trials[::2], model)
@@ -166,6 +167,14 @@ def test_tests_on_training_data_are_noticed(trials: ub.Trials) -> None:
         ub.evaluate(trials[1::2], model)
         ub.evaluate(trials[1::2], ub.Options("naive-bayes"), train=trials[::2])
     assert not any("data" in str(own.message) for own in shown)
+
+
+def test_trials_of_another_unit_are_noticed(data: ub.Dataset, trials: ub.Trials, tmp_path: Path, command) -> None:
+    """Tests that trials by taxel are warned of if the model was fitted to trials by component."""
+    file = tmp_path / "model.json"
+    command("train", data.path, "--by", "component", "--classifier", "naive-bayes", "--out", file)
+    with pytest.warns(UserWarning, match="^trials: trials by taxel, but the model was fitted to trials by component"):
+        ub.Model.load(file).classify(trials)
 
 
 def test_bad_options_are_refused(data: ub.Dataset, trials: ub.Trials) -> None:

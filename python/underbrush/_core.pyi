@@ -262,6 +262,8 @@ class ShippedController:
 
 @final
 class Reach:
+    @property
+    def _limit_n(self) -> float | None: ...
     @staticmethod
     def load(path: _Path) -> Reach: ...
     def save(self, path: _Path, *, force: bool = False) -> None: ...
@@ -703,6 +705,7 @@ def replay_page(
     *,
     model: _Path | None = None,
     patch: str | None = None,
+    limit_n: float | None = None,
 ) -> str: ...
 
 @final

@@ -61,6 +61,6 @@ def replay(
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "reach.parquet"
             source.save(path)
-            return Page(_core.replay_page([path], numbers, model=judged, patch=patch))
+            return Page(_core.replay_page([path], numbers, model=judged, patch=patch, limit_n=source._limit_n))
     path = source.path if isinstance(source, _core.Dataset) else Path(source)
     return Page(_core.replay_page([path], numbers, model=judged, patch=patch))

@@ -20,6 +20,12 @@ pub fn parts(x: f64) -> (f64, f64) {
     (mantissa, exponent)
 }
 
+/// The larger number, or NaN if one of them is NaN, which [`f64::max`] would pass over.
+#[inline]
+pub fn larger(first: f64, second: f64) -> f64 {
+    if first >= second || first.is_nan() { first } else { second }
+}
+
 /// The values in the order of [`f64::total_cmp`]. Equal ones have equal bits, so it does not matter which is first.
 pub fn sorted(mut values: Vec<f64>) -> Vec<f64> {
     values.sort_unstable_by(f64::total_cmp);
@@ -37,6 +43,13 @@ pub fn median(values: Vec<f64>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Tests that the larger of two numbers is NaN if either is.
+    #[test]
+    fn nothing_is_larger_than_nan() {
+        assert_eq!((larger(1.0, 2.0), larger(2.0, 1.0)), (2.0, 2.0));
+        assert!(larger(f64::NAN, 1.0).is_nan() && larger(1.0, f64::NAN).is_nan());
+    }
 
     /// Tests that an even count gives the mean of the two middle values.
     #[test]

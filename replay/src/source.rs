@@ -152,10 +152,12 @@ impl Source {
         scenes.find(|scene| scene.name == self.reaches[number].scene).map(|scene| scene.file.text.as_str())
     }
 
-    /// The force that the controller allows a taxel in a reach of a data set, N; of other reaches it is not known.
+    /// The force that the controller allows a taxel in a reach, N: as its data set says it, or else as the context does.
     pub fn stated_limit_n(&self, number: usize) -> Option<f64> {
-        let Some(Place::Dataset { input, index }) = self.places.get(number) else { return None };
-        self.datasets[*input].force_limit_n(*index)
+        match self.places.get(number) {
+            Some(Place::Dataset { input, index }) => self.datasets[*input].force_limit_n(*index),
+            _ => self.known.stated_limit_n,
+        }
     }
 
     /// The bytes of a reach for the page.

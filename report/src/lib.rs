@@ -27,6 +27,7 @@ use underbrush_experiments::audit::Worst;
 use underbrush_experiments::experiment::training_data::Reaches;
 use underbrush_experiments::results::{Results, Timing};
 use underbrush_recording::Fault;
+use underbrush_sim::audit::exceeds;
 
 use accuracy_chart::{AccuracyChart, lowest, square_chart};
 use drawing::{Axis, Cell, Dash, Layer, Mark, Page, Point, Rows, Shape, Style, Table, chart, escape, joined, slug};
@@ -110,7 +111,7 @@ pub fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, one: &str, ma
 /// The figures of an audit that pass their bounds as a table, or one line if none does.
 pub fn audit_text(worst: &BTreeMap<&'static str, Worst>) -> String {
     let passed = worst.iter().filter_map(|(name, worst)| {
-        let bound = worst.bound.filter(|bound| worst.value > *bound)?;
+        let bound = worst.bound.filter(|bound| exceeds(worst.value, *bound))?;
         Some((*name, worst, bound))
     });
     let rows = Rows::of(passed);

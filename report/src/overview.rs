@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use underbrush_experiments::table_cell::{Ordering, unit_name};
+use underbrush_experiments::Unit;
+use underbrush_experiments::table_cell::Ordering;
 
 use crate::agreement::{self, Compared};
 use crate::section::{campaigns, moments, table_one};
@@ -30,7 +31,7 @@ struct Comparison<'a> {
 impl<'a> Comparison<'a> {
     fn of(report: &Report<'a>) -> Self {
         let outcomes = &report.results.outcomes;
-        let trials_name = |unit, category: &str| format!("{} trials of {category}", unit_name(unit));
+        let trials_name = |unit: Unit, category: &str| format!("{} trials of {category}", unit.name());
         match &outcomes.campaigns.campaigns {
             Some(own) => Comparison {
                 all: own.table_1.iter().map(campaigns::compared).collect(),

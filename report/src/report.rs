@@ -3,7 +3,7 @@
 use underbrush_experiments::accuracy::{Accuracy, Figures, Part, Spread};
 use underbrush_experiments::definition::Published;
 use underbrush_experiments::experiment::campaigns::CampaignFigures;
-use underbrush_experiments::{CellKey, Results, unit_name};
+use underbrush_experiments::{CellKey, Results};
 
 use crate::{CategoryLooks, Cell, Page, Rows, Table};
 
@@ -126,7 +126,7 @@ impl<T: Copy> Rows<T> {
 
     /// Adds which cell of the cross-validation table it is.
     pub fn key<'a>(self, key: impl Fn(T) -> &'a CellKey) -> Self {
-        self.column("by", |thing| unit_name(key(thing).by))
+        self.column("by", |thing| key(thing).by.name())
             .column("features", |thing| key(thing).features.to_string())
             .column("states", |thing| key(thing).states)
             .column("recipe", |thing| key(thing).recipe.as_str())

@@ -14,7 +14,6 @@ use underbrush_classifier::evaluate::{
 use underbrush_classifier::registry::CLASSIFIERS;
 use underbrush_classifier::{ClassifierKind, DataSource, Decision, FeatureSet, Model, Provenance, Rule, Scores};
 use underbrush_experiments::model_data;
-use underbrush_recording::disk::with_recordings;
 use underbrush_recording::{Category, Trial};
 use underbrush_report::drawing::Rows;
 
@@ -110,7 +109,7 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
         None if is_touch => {
             let own = options.cut.touch()?;
             let judge = match &options.train {
-                Some(train) => Judge::FittedTo(std::slice::from_ref(train), own),
+                Some(train) => Judge::FittedTo(Reaches::open(std::slice::from_ref(train))?, train, own),
                 None => Judge::Folds(options.folds, own),
             };
             return options.frames(judge, json);
@@ -143,7 +142,7 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
         let provenance = model.as_ref().map(|own| &own.provenance);
         options.check(provenance, &tested.data, &[])?;
         if let Some(provenance) = provenance {
-            tested.warn_of_unit(path, provenance);
+            provenance.warn_of_unit(path.display(), tested.unit());
         }
     }
     let evaluation = match &model {
@@ -232,28 +231,20 @@ impl EvaluateOptions {
         if self.risk.limit_wrong.is_some() && self.touch.cost_of_uncertain.is_some() {
             return Err(Failure::usage("--limit-wrong chooses what --cost-of-uncertain gives; leave one of them out"));
         }
-        if self.train.is_none() {
-            // What has no frames is refused before it is read.
-            Reaches::open(&self.trials)?;
-        }
-        let model = if let Judge::Model(model) = &judge { Some(&model.provenance) } else { None };
-        self.check(model, &sources(&self.trials)?, &sources(self.train.as_slice())?)?;
-        touch::evaluate(&self.trials, judge, self.risk.limit_wrong, &self.touch, json)
+        let reaches = Reaches::open(&self.trials)?;
+        let (model, fitted) = match &judge {
+            Judge::Model(model) => (Some(&model.provenance), Vec::new()),
+            Judge::FittedTo(training, ..) => (None, training.data()),
+            Judge::Folds(..) => (None, Vec::new()),
+        };
+        self.check(model, &reaches.data(), &fitted)?;
+        touch::evaluate(&reaches, &self.trials, judge, self.risk.limit_wrong, &self.touch, json)
     }
 
     fn folds(&self, trials: &[Trial]) -> Folds {
         let paper = self.cut.is_paper().then_some(FoldBy::Position);
         Folds { count: self.folds, by: self.group.or(paper).unwrap_or_else(|| FoldBy::advised(trials)) }
     }
-}
-
-/// What these data sets, recordings and tables are.
-fn sources(paths: &[PathBuf]) -> Result<Vec<DataSource>, Failure> {
-    let source = |path: &PathBuf| {
-        input::check_exists(path, input::WITH_TRIALS)?;
-        Ok(model_data::of_path(path)?)
-    };
-    with_recordings(paths)?.iter().map(source).collect()
 }
 
 /// ROC curves as CSV: one row per point of each curve. An empty threshold classifies nothing as positive.

@@ -9,6 +9,7 @@ use underbrush_experiments::inspection;
 use underbrush_experiments::torque_balance::{TorqueBalance, torque_balance};
 use underbrush_report::drawing::Rows;
 use underbrush_sim::arm::Arm;
+use underbrush_sim::audit::exceeds;
 
 use super::{Overwrite, picture};
 use crate::{Failure, output};
@@ -82,9 +83,9 @@ pub fn run(options: InspectOptions, json: bool) -> Result<(), Failure> {
 /// The scenes in which torques and contacts do not explain the motion, if there are any.
 fn unexplained(balance: &BTreeMap<String, TorqueBalance>) -> Option<String> {
     let scene = |(scene, own): (&String, &TorqueBalance)| {
-        let TorqueBalance { residual_share, bound, .. } = own;
-        let text = || format!("in {scene} {residual_share:.4} of the impulses is missing, more than {bound}");
-        (residual_share > bound).then(text)
+        let TorqueBalance { residual_share, bound, .. } = *own;
+        let bound = bound.filter(|bound| exceeds(residual_share, *bound))?;
+        Some(format!("in {scene} {residual_share:.4} of the impulses is missing, more than {bound}"))
     };
     let scenes: Vec<String> = balance.iter().filter_map(scene).collect();
     let complaint = "torques and contacts do not explain the motion of the arm";
@@ -135,7 +136,7 @@ mod tests {
     /// Tests that the scenes whose torques do not balance are named, and no others.
     #[test]
     fn torques_that_do_not_balance_are_named() {
-        let share = |residual_share| TorqueBalance { residual_share, bound: 0.02, ..TorqueBalance::default() };
+        let share = |residual_share| TorqueBalance { residual_share, bound: Some(0.02), ..TorqueBalance::default() };
         let mut balance = BTreeMap::from([("leaf".to_owned(), share(0.01))]);
         assert_eq!(unexplained(&balance), None);
         balance.insert("trunk".into(), share(0.3));

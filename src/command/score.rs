@@ -44,7 +44,7 @@ pub fn by_kind(mut model: Model, path: &Path, by: Option<ScoreKind>, option: &st
 /// The scores of trials that were read from `path`. Warns of another rate and of other trials than those of the model's data.
 pub fn of_trials(model: &Model, read: &TrialInput, path: &Path) -> Result<Vec<Vec<f64>>, Failure> {
     model.provenance.warn_of_rates(path.display(), &read.data);
-    read.warn_of_unit(path, &model.provenance);
+    model.provenance.warn_of_unit(path.display(), read.unit());
     let scores = model.classifier.scores_of_all(&read.trials.iter().collect::<Vec<_>>());
     scores.map_err(|error| Failure::from(error).about(path))
 }

@@ -165,7 +165,7 @@ fn continued(options: &TrainOptions, start: &Path, path: &Path, read: &TrialInpu
     let text = "--start continues the training of hidden Markov models only; give such a model, or leave it out";
     let models = start.hmm().map_err(|_| Failure::usage(text))?;
     start.warn_of_further_training(file, path.display(), &read.data);
-    read.warn_of_unit(path, &start.provenance);
+    start.provenance.warn_of_unit(path.display(), read.unit());
     let trained = HmmClassifier::train_from(models, &read.trials, &options.estimator.training()?);
     Ok(Model::new(Box::new(trained.map_err(|error| input::about_trials(path, error))?)))
 }

@@ -185,8 +185,9 @@ fn an_input_is_not_fitted_to_and_tested_on() {
     }
     underbrush!["evaluate", set, "--train", same_set].refused(&parts);
     underbrush!["evaluate", set, "--train", copied_set].refused(&parts);
-    #[rustfmt::skip]
-    underbrush!["evaluate", fixture().table_csv(), set, "--classifier", "touch", "--train", same_set].refused(&parts);
+    let reach = folder.path().join("reach.parquet");
+    underbrush!["reach", fixture().trunk_scene(), "--out", reach].success();
+    underbrush!["evaluate", reach, set, "--classifier", "touch", "--train", same_set].refused(&parts);
 }
 
 /// Tests that a model that was fitted to the trials is warned of, and that one of other trials is not.

@@ -33,8 +33,8 @@ fn reaches_are_written_as_one_file() {
     }
 }
 
-/// Tests that a reach of a data set has the force limit of its scene, which may scale that of the controller, and that a controller
-/// to which verdicts are told has that of the controller alone.
+/// Tests that a reach of a data set has the force limit of its scene, which may scale that of the controller, a recording the one that
+/// is stated, and a controller to which verdicts are told that of the controller alone.
 #[test]
 fn the_force_limit_is_that_of_the_scene() {
     let folder = tempfile::tempdir().unwrap();
@@ -44,6 +44,11 @@ fn the_force_limit_is_that_of_the_scene() {
     underbrush!["generate", scene, "--reaches", "1", "--out", out].success();
     let source = Source::open(&[out], known(None), None).unwrap();
     assert_eq!(source.stated_limit_n(0), Some(6.0));
+    assert!(String::from_utf8_lossy(&source.pack(0).unwrap()).contains("\"force_limit_n\":6.0"));
+    // A recording does not say it, but who shows it may know it.
+    let reach = folder.path().join("reach.parquet");
+    underbrush!["reach", scene, "--out", reach].success();
+    let source = Source::open(&[reach], known(Some(6.0)), None).unwrap();
     assert!(String::from_utf8_lossy(&source.pack(0).unwrap()).contains("\"force_limit_n\":6.0"));
     let of_controllers = known(None).force_limit_n;
     assert_eq!((of_controllers("cody-2013"), of_controllers("cody-2013+truth")), (Some(3.0), Some(3.0)));
@@ -58,7 +63,7 @@ fn bad_usage_is_refused() {
     let page = folder.path().join("page.html");
     let set = fixture().dataset();
     underbrush!["replay", "no-such-set", "--out", page].refused(&["no-such-set", "check the path"]);
-    underbrush!["replay", fixture().trunk_scene(), "--out", page].refused(&["Parquet"]);
+    underbrush!["replay", fixture().trunk_scene(), "--out", page].refused(&["not Parquet", "check the path"]);
     underbrush!["replay", set, "--reaches", "17", "--out", page].refused(&["no reach 17", "below 6"]);
     underbrush!["replay", set, "--margin", "3", "--out", page].refused(&["--margin", "--model"]);
     underbrush!["replay", set, "--model", fixture().model(), "--patch", "hand", "--out", page]

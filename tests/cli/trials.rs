@@ -167,18 +167,32 @@ fn components_are_fewer_and_options_hold() {
         .refused(&["flipper", "grid", "use trials by taxel"]);
 }
 
-/// Tests that trials by taxel are warned of if the model was fitted to trials by component, and trials by component are not.
+/// Tests that trials by taxel, also those of a table, and frames are warned of if the model was fitted to trials by component, and
+/// that trials by component are not.
 #[test]
 fn models_of_components_are_for_components() {
     let (set, folder) = (fixture().dataset(), tempfile::tempdir().unwrap());
     let model = folder.path().join("model.json");
     underbrush!["train", set, "--by", "component", "--classifier", "naive-bayes", "--out", model].success();
     let warning = "trials by taxel, but the model was fitted to trials by component";
-    for command in [underbrush!["classify", model, set], underbrush!["evaluate", set, "--model", model]] {
+    let [taxels, components] = ["taxel", "component"].map(|by| {
+        let table = folder.path().join(format!("{by}.csv"));
+        underbrush!["trials", set, "--by", by, "--out", table].success();
+        table
+    });
+    let page = folder.path().join("page.html");
+    for command in [
+        underbrush!["classify", model, set],
+        underbrush!["evaluate", set, "--model", model],
+        underbrush!["score", model, taxels],
+        underbrush!["classify", model, set, "--online"],
+        underbrush!["replay", set, "--model", model, "--out", page],
+    ] {
         assert!(command.stderr.contains(warning), "{}", command.stderr);
     }
-    let sound = underbrush!["classify", model, set, "--by", "component"];
-    assert!(sound.status == 0 && !sound.stderr.contains("was fitted to"), "{}", sound.stderr);
+    for sound in [underbrush!["classify", model, set, "--by", "component"], underbrush!["score", model, components]] {
+        assert!(sound.status == 0 && !sound.stderr.contains("was fitted to"), "{}", sound.stderr);
+    }
 }
 
 /// Tests that trials can be extracted from a single recording, numbered from 0.

@@ -10,6 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use rapier3d::prelude::*;
 use rayon::prelude::*;
 use underbrush_recording::Pose as WorldPose;
+use underbrush_recording::math::larger;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::dynamics::{Coordinate, Link, Tree};
 use underbrush_sim::object::Object;
@@ -154,11 +155,6 @@ fn motions_apart(tree: &Tree, links: &[LinkDescription], gravity_m_per_s2: f64) 
         }
     }
     worst
-}
-
-/// The larger number, or NaN if one is NaN, so that no comparison can hold.
-fn larger(first: f64, second: f64) -> f64 {
-    if first >= second || first.is_nan() { first } else { second }
 }
 
 /// The tree after displacements and with velocities, prepared for a step.

@@ -142,8 +142,9 @@ impl Convolutions {
         for dilation in 0..self.dilations.len() {
             self.outputs(dilation, contact, |kernel, output| {
                 let place = dilation * KERNELS + kernel;
-                let counts = above[place * each..].iter_mut().zip(&self.biases[place]);
-                counts.for_each(|(count, bias)| *count += u32::from(output > *bias));
+                for (count, bias) in above[place * each..].iter_mut().zip(&self.biases[place]) {
+                    *count += u32::from(output > *bias);
+                }
             });
         }
         contact.above = above;

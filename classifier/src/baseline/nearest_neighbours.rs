@@ -176,8 +176,9 @@ impl Baseline for NearestNeighbours {
     fn scores(&self, parameters: &Parameters, contact: &Vec<f64>, scores: &mut [f64]) {
         let Parameters { mean, scale, components, category, trials } = parameters;
         let mut channels = self.channels(contact);
-        let values = channels.iter_mut().enumerate();
-        values.for_each(|(d, value)| *value = (*value - mean[d]) * scale[d / self.window]);
+        for (d, value) in channels.iter_mut().enumerate() {
+            *value = (*value - mean[d]) * scale[d / self.window];
+        }
         let query = components.0.tr_mul(&DVector::from_vec(channels));
         let distances = trials.0.column_iter().map(|known| (known - &query).norm_squared());
         let mut nearest: Vec<(f64, usize)> = distances.zip(category.iter().copied()).collect();
@@ -187,9 +188,13 @@ impl Baseline for NearestNeighbours {
             nearest.select_nth_unstable_by(votes, by_distance);
         }
         let mut count = vec![0_usize; scores.len()];
-        category.iter().for_each(|category| count[*category] += 1);
+        for known in category {
+            count[*known] += 1;
+        }
         let mut share: Vec<f64> = count.iter().map(|count| *count as f64 / category.len() as f64).collect();
-        nearest[..votes].iter().for_each(|&(_, category)| share[category] += 1.0);
+        for (_, category) in &nearest[..votes] {
+            share[*category] += 1.0;
+        }
         for ((score, share), count) in scores.iter_mut().zip(share).zip(count) {
             *score = math::ln(share / count as f64);
         }

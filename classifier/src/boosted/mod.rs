@@ -184,7 +184,9 @@ impl Boosting<'_> {
             None => {
                 let step = (RATE * all.x / (all.y + RIDGE) / UNIT).round() as i16;
                 tree.push(Node::Leaf(step));
-                rows.iter().for_each(|row| self.scores[*row as usize] += UNIT * f64::from(step));
+                for row in rows {
+                    self.scores[*row as usize] += UNIT * f64::from(step);
+                }
             }
         }
     }

@@ -194,7 +194,9 @@ impl Classifier for HmmClassifier {
             let mut scores = vec![Vec::with_capacity(self.models.len()); trials.len()];
             for model in self.models.values() {
                 let of_model = model.log_probabilities(kind, &sequences)?;
-                scores.iter_mut().zip(of_model).for_each(|(row, score)| row.push(score));
+                for (row, score) in scores.iter_mut().zip(of_model) {
+                    row.push(score);
+                }
             }
             Ok(scores)
         };

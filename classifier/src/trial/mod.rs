@@ -8,7 +8,7 @@ mod trial_list;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use trial_list::{OpenTrial, TrialList, knows_truth};
-use underbrush_recording::{Recording, Sample};
+use underbrush_recording::{Recording, Sample, Trial};
 
 use crate::error::ValueFault;
 
@@ -26,6 +26,29 @@ pub enum Unit {
     Taxel,
     /// One connected component of taxels (paper, section IV-C).
     Component,
+}
+
+impl Unit {
+    /// `taxel` or `component`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Unit::Taxel => "taxel",
+            Unit::Component => "component",
+        }
+    }
+
+    /// What trials are made of, as far as their samples tell: the force of a component is always the largest in its region.
+    pub fn of(trials: &[Trial]) -> Option<Self> {
+        let mut is_region_larger = false;
+        for sample in trials.iter().flat_map(|trial| &trial.samples) {
+            let Some(region) = sample.region else { continue };
+            if sample.force_n < region.largest_force_n {
+                return Some(Unit::Taxel);
+            }
+            is_region_larger |= region.taxels > 1;
+        }
+        is_region_larger.then_some(Unit::Component)
+    }
 }
 
 /// How a trial gets its category.

@@ -145,7 +145,9 @@ impl<'a> Cutter<'a> {
         if let Some(grid) = self.mapping.grid {
             for taxels in grid.regions(|taxel| self.in_contact[taxel]) {
                 let region = region(&self.forces_n, &taxels);
-                taxels.iter().for_each(|taxel| regions[*taxel] = Some(region));
+                for taxel in taxels {
+                    regions[taxel] = Some(region);
+                }
             }
         }
         // Room for rounding of differences of times. Times that count from 1970 are rounded by 1e-7 s, and once more if they are

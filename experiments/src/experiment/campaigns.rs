@@ -10,7 +10,7 @@ use super::classifiers::{self, Compared};
 use super::table_one;
 use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures, Part, Spread};
-use crate::table_cell::{Cell, Ordering, mean_difference, orderings, unit_name};
+use crate::table_cell::{Cell, Ordering, mean_difference, orderings};
 use crate::training::{self, Trials};
 use crate::{Experiment, Session, Unit};
 
@@ -133,7 +133,7 @@ impl Campaigns {
         }
         let mut trials_per_reach = Vec::new();
         for row in &first.trials_per_reach {
-            let name = format!("trials per reach, {}, {}", unit_name(row.by), row.category);
+            let name = format!("trials per reach, {}, {}", row.by.name(), row.category);
             let is_same = |other: &TrialsPerReach| (other.by, &other.category) == (row.by, &row.category);
             let own = matched(campaigns, &name, |campaign| &campaign.trials_per_reach, is_same)?;
             trials_per_reach.push(CampaignTrials {

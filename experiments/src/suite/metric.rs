@@ -4,7 +4,7 @@ use serde::Serialize;
 use underbrush_classifier::decision::Verdict;
 use underbrush_classifier::evaluate::{JudgedObject, NOTHING, Stream, Tally};
 use underbrush_classifier::touch::TouchVerdict;
-use underbrush_recording::math::median;
+use underbrush_recording::math::{larger, median};
 use underbrush_recording::{Category, ContactForces, Recording};
 use underbrush_sim::audit;
 
@@ -239,8 +239,7 @@ fn audit_share(recording: &Recording) -> f64 {
     // A figure with a bound of 0 is a metric of its own.
     let bounds = audit::bounds(&recording.layout).filter(|bound| bound.max > 0.0);
     let shares = bounds.map(|bound| (bound.field.get)(&recording.audit) / bound.max);
-    // NaN counts as the largest.
-    shares.fold(0.0, |worst, share| if share > worst || share.is_nan() { share } else { worst })
+    shares.fold(0.0, larger)
 }
 
 fn force(reach: &Measured, category: Option<Category>, value: fn(&ContactForces) -> f64) -> Option<f64> {

@@ -154,8 +154,9 @@ impl Suite {
     #[must_use]
     pub fn hold(&self, mut result: SuiteResult) -> SuiteResult {
         for (scene, found) in self.scenes.iter().zip(&mut result.scenes) {
-            let bounds = scene.bounds.iter().zip(&mut found.bounds);
-            bounds.for_each(|(own, found)| *found = held(own, std::mem::take(&mut found.values)));
+            for (own, found) in scene.bounds.iter().zip(&mut found.bounds) {
+                *found = held(own, std::mem::take(&mut found.values));
+            }
         }
         result.passed = result.broken().count() == 0;
         result

@@ -124,8 +124,9 @@ impl<T: Copy> Rows<T> {
         entries: impl Fn(T) -> E,
     ) -> Self {
         self.table.columns.extend(headings.into_iter().map(Into::into));
-        let rows = self.table.rows.iter_mut().zip(&self.things);
-        rows.for_each(|(row, thing)| row.extend(entries(*thing).into_iter().map(Into::into)));
+        for (row, thing) in self.table.rows.iter_mut().zip(&self.things) {
+            row.extend(entries(*thing).into_iter().map(Into::into));
+        }
         self
     }
 

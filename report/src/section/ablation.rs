@@ -1,8 +1,8 @@
 //! Ablation: the cross-validation table with one thing changed at a time.
 
+use underbrush_experiments::Unit;
 use underbrush_experiments::accuracy::Figures;
 use underbrush_experiments::experiment::ablation::{AS_IS, Ablated, AblationResults, described};
-use underbrush_experiments::{Unit, unit_name};
 
 use crate::{Report, Rows, Table, joined};
 
@@ -65,7 +65,7 @@ fn table(rows: &[Ablated], labels: &[&str]) -> Table {
     let mut rows = accuracies(rows, "taxels / %", |row| row.taxel.as_ref());
     for unit in [Unit::Component, Unit::Taxel] {
         for label in labels {
-            rows = rows.number(format!("{} trials a reach, {label}", unit_name(unit)), 1, |row| {
+            rows = rows.number(format!("{} trials a reach, {label}", unit.name()), 1, |row| {
                 let mut counted = row.trials_per_reach.iter();
                 counted.find(|own| own.by == unit && own.category == *label).map(|own| own.per_reach)
             });

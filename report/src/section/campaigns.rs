@@ -2,7 +2,7 @@
 
 use underbrush_experiments::accuracy::{Figures, Spread};
 use underbrush_experiments::experiment::campaigns::{CampaignFigures, Campaigns, ComparedCampaigns};
-use underbrush_experiments::table_cell::{self, unit_name};
+use underbrush_experiments::table_cell;
 
 use super::classifiers;
 use super::table_one::trials_and_features;
@@ -139,7 +139,7 @@ fn all(campaigns: &Campaigns) -> Table {
 fn trials(campaigns: &Campaigns) -> Table {
     let published = campaigns.trials_per_reach.iter().any(|row| row.paper.is_some());
     Rows::of(&campaigns.trials_per_reach)
-        .column("trials", |row| format!("{}, {}", unit_name(row.by), row.category))
+        .column("trials", |row| format!("{}, {}", row.by.name(), row.category))
         .number("per reach, mean", 1, |row| row.per_reach.mean)
         .number("SD", 1, |row| row.per_reach.standard_deviation)
         .when(published, |rows| rows.number("paper", 1, |row| row.paper))

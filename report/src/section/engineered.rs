@@ -46,7 +46,9 @@ fn shares_chart(outcome: &EngineeredReaches) -> String {
             Some([correct, wrong, uncertain]) => format!(" {name}: {correct:.0}, {wrong:.0}, {uncertain:.0}."),
             None => format!(" {name}: no such reach was drawn."),
         };
-        heights.iter_mut().zip(shares.unwrap_or([f64::NAN; 3])).for_each(|(own, share)| own.push(share));
+        for (own, share) in heights.iter_mut().zip(shares.unwrap_or([f64::NAN; 3])) {
+            own.push(share);
+        }
         names.push(name);
     }
     let [correct, wrong, uncertain] = heights;

@@ -2,7 +2,7 @@
 
 use underbrush_experiments::definition::{RecipeName, Unit};
 use underbrush_experiments::experiment::table_one::TableOne;
-use underbrush_experiments::table_cell::{Cell, CellKey, unit_name};
+use underbrush_experiments::table_cell::{Cell, CellKey};
 
 use crate::agreement::{self, Compared};
 use crate::{ACCURACY_COLUMNS, Report, Rows, Table, by_touch, joined, possessive, seeds};
@@ -93,7 +93,7 @@ fn baselines(report: &Report, cells: &[Cell]) -> String {
         let here = cell.figures.majority_baseline;
         let published = published_majority_percent(report, by);
         let published = published.map_or(String::new(), |percent| format!(" ({percent:.1} % by the paper's counts)"));
-        Some(format!("{here:.1} % for {} trials{published}", unit_name(by)))
+        Some(format!("{here:.1} % for {} trials{published}", by.name()))
     };
     let units = [Unit::Component, Unit::Taxel];
     let labels = report.results.definition.labels();
@@ -142,5 +142,5 @@ fn all(name: &str, cells: &[Cell]) -> Table {
 
 /// Unit and features of a cell, as an entry of a table.
 pub fn trials_and_features(key: &CellKey) -> String {
-    format!("{}, {}", unit_name(key.by), key.features)
+    format!("{}, {}", key.by.name(), key.features)
 }

@@ -1,7 +1,6 @@
 //! The training reaches and the contact trials cut from them.
 
 use underbrush_experiments::experiment::training_data::{Reaches, TrainingSummary, TrialsPerReach};
-use underbrush_experiments::table_cell::unit_name;
 
 use crate::{Report, Rows, Table, joined};
 
@@ -19,7 +18,7 @@ pub fn add(report: &mut Report, outcome: &TrainingSummary) {
 fn table(rows: &[TrialsPerReach]) -> Table {
     let published = rows.iter().any(|row| row.paper.is_some());
     Rows::of(rows)
-        .column("trials", |row| format!("{}, {}", unit_name(row.by), row.category))
+        .column("trials", |row| format!("{}, {}", row.by.name(), row.category))
         .column("count", |row| row.trials)
         .number("per reach", 1, |row| row.per_reach)
         .when(published, |rows| rows.number("paper", 1, |row| row.paper))
@@ -31,7 +30,7 @@ fn table(rows: &[TrialsPerReach]) -> Table {
 fn against_published(rows: &[TrialsPerReach]) -> Option<String> {
     let part = |row: &TrialsPerReach| {
         let ratio = row.per_reach / row.paper?;
-        Some(format!("{} {}: {ratio:.2} times the paper's", unit_name(row.by), row.category))
+        Some(format!("{} {}: {ratio:.2} times the paper's", row.by.name(), row.category))
     };
     let parts: Vec<String> = rows.iter().filter_map(part).collect();
     (!parts.is_empty()).then(|| format!("Trials per reach, {}.", parts.join("; ")))
@@ -41,7 +40,7 @@ fn against_published(rows: &[TrialsPerReach]) -> Option<String> {
 pub fn untouched(rows: &[TrialsPerReach]) -> String {
     let with_trials = rows.iter().filter(|row| row.trials > 0);
     let part = |TrialsPerReach { by, category, trials, untouched, .. }: &TrialsPerReach| {
-        let (unit, percent) = (unit_name(*by), 100.0 * *untouched as f64 / *trials as f64);
+        let (unit, percent) = (by.name(), 100.0 * *untouched as f64 / *trials as f64);
         format!("{untouched} of {trials} {unit} trials of {category} ({percent:.0} %)")
     };
     format!(

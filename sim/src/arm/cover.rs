@@ -216,7 +216,9 @@ fn points(arm: &Arm, link: usize, new: &NewPatch) -> Result<(String, usize), Str
     let candidates = own.0.iter().flat_map(|shape| surface(shape, new.pitch_m));
     let mut picked = Spread { least_m: LEAST_SHARE * new.pitch_m, cells: HashMap::new(), places: Vec::new() };
     // Pruned before they are spread, so that they do not keep others away.
-    candidates.filter(|place| !new.prune || own.is_open(place)).for_each(|place| picked.add(place));
+    for place in candidates.filter(|place| !new.prune || own.is_open(place)) {
+        picked.add(place);
+    }
     let covered = covered(arm, link, &picked.places, new)?;
     let left_out = covered.iter().flatten().count();
     let limits = [LEAST_SHARE * LEAST_SHARE, 1.0].map(|share| share * new.pitch_m * new.pitch_m);

@@ -1,6 +1,7 @@
 //! The audit of a reach: how large the errors of its physics were, and the bounds within which they should stay.
 
 use glam::DVec3;
+use underbrush_recording::math::larger;
 use underbrush_recording::{Audit, AuditField, FRAME_PERIOD_S, SkinLayout};
 
 pub mod energy;
@@ -57,6 +58,11 @@ pub fn bounds(layout: &SkinLayout) -> impl Iterator<Item = Bound> + use<> {
     })
 }
 
+/// Whether a figure is beyond its bound. NaN is.
+pub fn exceeds(figure: f64, max: f64) -> bool {
+    figure.is_nan() || figure > max
+}
+
 /// Largest overlap of link and object, m.
 const DEEPEST_M: f64 = 0.01;
 
@@ -109,7 +115,7 @@ impl Jump {
             self.now[contact.link] += contact.force_world * scale;
         }
         let change = |(last, now): (&DVec3, &DVec3)| last.distance(*now);
-        self.last.iter().zip(&self.now).map(change).fold(0.0, f64::max)
+        self.last.iter().zip(&self.now).map(change).fold(0.0, larger)
     }
 }
 
@@ -133,7 +139,7 @@ impl Auditor {
         let sums = &self.energy.sums;
         // If the actuators have not moved, there is no work to compare with.
         let share = |part_j: f64| {
-            if sums.exchanged_j > 0.0 { part_j.abs() / sums.exchanged_j } else { 0.0 }
+            if sums.exchanged_j == 0.0 && part_j.is_finite() { 0.0 } else { part_j.abs() / sums.exchanged_j }
         };
         Audit {
             energy_residual: share(sums.residual_j()),
@@ -153,21 +159,21 @@ impl Auditor {
     pub fn observe_step(&mut self, step: &StepReport) {
         self.energy.observe_step(step);
         let audit = &mut self.audit;
-        audit.largest_contact_residual = audit.largest_contact_residual.max(step.contact_residual);
-        audit.overlap_without_patch_m = audit.overlap_without_patch_m.max(step.missed_overlap_m);
+        audit.largest_contact_residual = larger(audit.largest_contact_residual, step.contact_residual);
+        audit.overlap_without_patch_m = larger(audit.overlap_without_patch_m, step.missed_overlap_m);
         let depths_m = step.contacts.iter().map(|contact| contact.penetration_m);
-        audit.deepest_penetration_m = depths_m.fold(audit.deepest_penetration_m, f64::max);
+        audit.deepest_penetration_m = depths_m.fold(audit.deepest_penetration_m, larger);
         let jump = self.step_force.observe(step.contacts, FRAME_PERIOD_S / step.physics.step_s);
-        audit.largest_step_force_jump_n = audit.largest_step_force_jump_n.max(jump);
+        audit.largest_step_force_jump_n = larger(audit.largest_step_force_jump_n, jump);
     }
 
     /// Observes a frame of `arm` that is about to be recorded.
     pub fn observe_frame(&mut self, arm: &Arm, report: &FrameReport) {
         let audit = &mut self.audit;
-        audit.largest_force_residual = audit.largest_force_residual.max(report.tactile.force_residual);
-        audit.largest_moment_residual_m = audit.largest_moment_residual_m.max(report.tactile.moment_residual_m);
+        audit.largest_force_residual = larger(audit.largest_force_residual, report.tactile.force_residual);
+        audit.largest_moment_residual_m = larger(audit.largest_moment_residual_m, report.tactile.moment_residual_m);
         let jump = self.frame_force.observe(&report.contacts, 1.0);
-        audit.largest_frame_force_jump_n = audit.largest_frame_force_jump_n.max(jump);
+        audit.largest_frame_force_jump_n = larger(audit.largest_frame_force_jump_n, jump);
         self.observe_rest(arm, report);
     }
 
@@ -192,9 +198,10 @@ impl Auditor {
                 missing += (spring_nm + contact_nm).powi(2);
             }
         }
-        if torque > min_contact_torque_nm(arm).powi(2) {
+        // NaN is compared, so that it is seen.
+        if exceeds(torque, min_contact_torque_nm(arm).powi(2)) {
             self.audit.rest_frames += 1;
-            self.audit.largest_static_residual = self.audit.largest_static_residual.max((missing / torque).sqrt());
+            self.audit.largest_static_residual = larger(self.audit.largest_static_residual, (missing / torque).sqrt());
         }
     }
 }

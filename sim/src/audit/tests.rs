@@ -85,7 +85,40 @@ fn bounds_follow_the_arm_and_its_skin() {
     assert!(moment_m(&forearm) < 0.015, "{}", moment_m(&forearm));
 }
 
-/// Tests the jump of a force: the largest change of the summed and scaled force on one link.
+/// Tests that a figure that was NaN once stays NaN and is beyond its bound: those of the engine's steps, of the frames
+/// and of the energy.
+#[test]
+fn nan_is_beyond_its_bound() {
+    let mut simulation = free_arm(0.005);
+    let posture = simulation.arm().start_posture_rad();
+    let mut auditor = Auditor::new(&simulation);
+    for wrong in [f64::NAN, 0.0] {
+        simulation.step_observed(&posture, &mut |step| {
+            let mut joints = step.joints.to_vec();
+            joints[0].angle_rad += wrong;
+            let step = StepReport { joints: &joints, contact_residual: wrong, missed_overlap_m: wrong, ..*step };
+            auditor.observe_step(&step);
+        });
+        let mut report = simulation.report().clone();
+        report.tactile.force_residual = wrong;
+        report.tactile.moment_residual_m = wrong;
+        auditor.observe_frame(simulation.arm(), &report);
+    }
+    let audit = auditor.audit();
+    let beyond = bounds(&simulation.arm().skin.layout).filter(|bound| exceeds((bound.field.get)(&audit), bound.max));
+    let beyond: Vec<&str> = beyond.map(|bound| bound.field.name).collect();
+    let expected = [
+        "largest_force_residual",
+        "largest_moment_residual_m",
+        "energy_residual",
+        "integrator_energy_share",
+        "largest_contact_residual",
+        "overlap_without_patch_m",
+    ];
+    assert_eq!(beyond, expected);
+}
+
+/// Tests the jump of a force: the largest change of the summed and scaled force on one link, and NaN if a force is NaN.
 #[test]
 fn jumps_are_changes_of_a_links_force() {
     let contact = |link: usize, force: f64| StepContact {
@@ -105,4 +138,5 @@ fn jumps_are_changes_of_a_links_force() {
     assert_eq!(jump.observe(&[contact(1, 2.0), contact(1, 1.0)], 2.0), 6.0);
     assert_eq!(jump.observe(&[contact(1, 2.0), contact(2, 0.5)], 2.0), 2.0);
     assert_eq!(jump.observe(&[], 2.0), 4.0);
+    assert!(jump.observe(&[contact(1, f64::NAN)], 2.0).is_nan());
 }

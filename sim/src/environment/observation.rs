@@ -92,6 +92,8 @@ pub(super) fn write(
     }
     for part in parts {
         let [low, high] = part.range;
-        row[part.first..part.first + part.size()].iter_mut().for_each(|number| *number = number.clamp(low, high));
+        for number in &mut row[part.first..part.first + part.size()] {
+            *number = number.clamp(low, high);
+        }
     }
 }

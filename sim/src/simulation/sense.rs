@@ -3,6 +3,7 @@
 use glam::DVec3;
 use rapier3d::prelude::ColliderHandle;
 use underbrush_recording::TaxelReading;
+use underbrush_recording::math::larger;
 
 use super::{ContactPair, Model, StepContact, TactileFrame, World};
 use crate::sensor::Sensor;
@@ -207,7 +208,7 @@ fn residuals(wrenches: &[PatchWrenches]) -> [f64; 2] {
         // Below a micronewton there is practically no contact.
         let missing = (felt.force - solver.force).length() / solver.force.length().max(1e-6);
         let torque_error = (felt.moment - solver.moment).length() / solver.magnitude.max(1e-6);
-        [force.max(missing), moment.max(torque_error)]
+        [larger(force, missing), larger(moment, torque_error)]
     })
 }
 

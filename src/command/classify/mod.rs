@@ -11,6 +11,7 @@ use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::any_model::{self, AnyModel, OnlineModel};
 use underbrush_classifier::decision::Verdict;
+use underbrush_classifier::trial::Unit;
 use underbrush_classifier::{OnlineOptions, ScoreKind, Scores};
 
 use super::touch::TouchDecisionArguments;
@@ -97,6 +98,7 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
         options.cut.refuse_online()?;
         let decision = options.decision.decision(&Scores::of_model(&model))?;
         let settings = OnlineOptions::new(options.cut.patch.clone(), Some(options.cut.threshold_n()), decision);
+        model.provenance.warn_of_unit("frame by frame", Some(Unit::Taxel));
         return online::run(&options, &OnlineModel::OfTrials(Box::new(model), settings));
     }
     let categories = model.classifier.categories();

@@ -101,7 +101,7 @@ pub fn train(
     let all = [&paths[..], &with_recordings(&sets(auxiliary, "auxiliary")?)?[..]].concat();
     // The same set cannot be both, so all are opened together.
     let mut reaches = Reaches::open(&all)?;
-    let data = reaches.data()?;
+    let data = reaches.data();
     let auxiliary = reaches.split_off(paths.len());
     let mut examples = touch_examples(&reaches, options.clone())?;
     add_auxiliary(&mut examples, &auxiliary)?;
@@ -153,15 +153,16 @@ fn about(failure: Failure, paths: &[PathBuf]) -> Failure {
 pub enum Judge<'a> {
     /// This model.
     Model(Box<TouchModel>),
-    /// A model fitted to the reaches of these data sets and recordings.
-    FittedTo(&'a [PathBuf], TouchOptions),
+    /// A model fitted to the reaches of this data set or recording, or of the recordings in this folder.
+    FittedTo(Reaches, &'a Path, TouchOptions),
     /// The reaches are divided into this many parts, and each part is judged by a model fitted to the others.
     Folds(usize, TouchOptions),
 }
 
-/// Judges reaches with ground truth, those of these data sets and recordings, and prints the figures. Models that are fitted
-/// keep the limit of wrong verdicts.
+/// Judges reaches with ground truth, which are from these paths, and prints the figures. Models that are fitted keep the limit of
+/// wrong verdicts.
 pub fn evaluate(
+    reaches: &Reaches,
     paths: &[PathBuf],
     judge: Judge<'_>,
     limit_wrong: Option<f64>,
@@ -172,17 +173,14 @@ pub fn evaluate(
         model.decision = decision.over(model.decision);
         model
     };
-    let fitted = |examples: &TouchExamples, options: &TouchOptions, paths: &[PathBuf]| {
-        fit(examples, options, limit_wrong).map(deciding).map_err(|failure| about(failure, paths))
-    };
-    let reaches = Reaches::open(paths)?;
+    let fitted = |examples: &TouchExamples, options: &TouchOptions| fit(examples, options, limit_wrong).map(deciding);
     // The others are fitted without auxiliary sets.
     let least_unknown_share = if let Judge::Model(model) = &judge { model.least_unknown_share() } else { None };
     let report = match judge {
-        Judge::Model(model) => judge_touch(deciding(*model), &reaches)?,
-        Judge::FittedTo(training, options) => {
-            let examples = touch_examples(&Reaches::open(training)?, options.clone())?;
-            judge_touch(fitted(&examples, &options, training)?, &reaches)?
+        Judge::Model(model) => judge_touch(deciding(*model), reaches)?,
+        Judge::FittedTo(training, path, options) => {
+            let examples = touch_examples(&training, options.clone())?;
+            judge_touch(fitted(&examples, &options).map_err(|failure| failure.about(path))?, reaches)?
         }
         Judge::Folds(count, options) => {
             // Failures that are about all reaches name the input.
@@ -190,8 +188,8 @@ pub fn evaluate(
                 EvaluateError::FoldCount { .. } => error.into(),
                 error => about(error.into(), paths),
             };
-            let fit = |examples: &TouchExamples| fitted(examples, &options, paths);
-            cross_validate_touch(count, options.clone(), &reaches, fit, refused)?
+            let fit = |examples: &TouchExamples| fitted(examples, &options).map_err(|failure| about(failure, paths));
+            cross_validate_touch(count, options.clone(), reaches, fit, refused)?
         }
     };
     output::result(json, &report, || text::evaluation(&report, least_unknown_share))

@@ -104,4 +104,8 @@ fn samples_know_their_contact_region() {
     loose.layout.patches[0].grid = None;
     let trials = taxel_trials(&loose, &options).unwrap();
     assert!(trials.iter().flat_map(|contact| &contact.trial.samples).all(|sample| sample.region.is_none()));
+    // What the trials are made of follows from their regions.
+    let unit =
+        |contacts: Vec<ContactTrial>| Unit::of(&contacts.into_iter().map(|contact| contact.trial).collect::<Vec<_>>());
+    assert_eq!([taxels, components, trials].map(unit), [Some(Unit::Taxel), Some(Unit::Component), None]);
 }

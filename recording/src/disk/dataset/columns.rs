@@ -65,8 +65,9 @@ impl Dataset {
                 false => batch.fixed::<f64>(column, width)?.to_vec(),
             };
             // Numbers beyond the end of `to` are only counted.
-            let own = to.iter_mut().skip(found);
-            own.zip(&numbers).for_each(|(place, number)| *place = convert(*number));
+            for (place, number) in to.iter_mut().skip(found).zip(&numbers) {
+                *place = convert(*number);
+            }
             found += numbers.len();
         }
         if found == places {

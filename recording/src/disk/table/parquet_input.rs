@@ -60,6 +60,18 @@ impl ParquetInput {
         }
     }
 
+    /// Refuses a file of another kind. A file that ends within its first four bytes was cut short.
+    pub(crate) fn check_kind(&self) -> Result<()> {
+        let start = self.decode(|| self.get_bytes(0, self.bytes.min(4) as usize))?;
+        // Encrypted files begin with PARE.
+        if [b"PAR1", b"PARE"].iter().any(|letters| letters.starts_with(&start)) {
+            return Ok(());
+        }
+        let allowed = "a Parquet file, such as a recording or a table of trials";
+        let remedy = "check the path; copy the file again if it was one";
+        Err(InputError::new(&self.path, "file", "bytes that are not Parquet", allowed, remedy).into())
+    }
+
     /// Checks what the footer says about the size of the content, before anything is decoded.
     pub(crate) fn check_sizes(&self, footer: &ParquetMetaData) -> Result<()> {
         let size = |number: i64| u64::try_from(number).unwrap_or(u64::MAX);

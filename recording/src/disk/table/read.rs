@@ -46,7 +46,11 @@ pub(crate) enum Want {
 
 /// Reads the footer of a file.
 pub(crate) fn read_footer(file: &ParquetInput) -> Result<Arc<ParquetMetaData>> {
-    let footer = file.decode(|| ParquetMetaDataReader::new().parse_and_finish(file))?;
+    let footer = file.decode(|| ParquetMetaDataReader::new().parse_and_finish(file)).or_else(|error| {
+        // A file of another kind has no footer either.
+        file.check_kind()?;
+        Err(error)
+    })?;
     file.check_sizes(&footer)?;
     Ok(Arc::new(footer))
 }

@@ -1,6 +1,8 @@
 //! The main loop of the solver: Newton steps for normal forces and friction together, or with fixed friction limits, until the
 //! residual is small.
 
+use underbrush_recording::math::larger;
+
 use super::{Block, Convergence, ROWS, Solver, join};
 
 /// Iterations for normal impulses and friction together.
@@ -180,7 +182,7 @@ impl Solver {
     }
 
     fn relative_residual(&self) -> f64 {
-        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        let largest = |values: &[f64]| values.iter().fold(0.0, |largest, value| larger(largest, value.abs()));
         largest(&self.residual) / largest(&self.impulse).max(NO_IMPULSE / TOLERANCE)
     }
 

@@ -1,6 +1,7 @@
 //! Writes what the contacts changed into the trees, and keeps what the next step needs.
 
 use nalgebra::Vector3;
+use underbrush_recording::math::larger;
 
 use super::{ContactStep, Kept, KeptPatch, PatchContact, Scene, key};
 use crate::contact::law::center_of_pressure;
@@ -36,7 +37,7 @@ impl ContactStep {
                 normal_impulse,
                 impulse_world: plane.normal_world * normal_impulse + tangential(&patch.friction.impulse),
                 moment_world: plane.normal_world * (candidate.radius_m * patch.friction.impulse[2]),
-                overlap_m: nodes.iter().map(overlap_m).fold(f64::NEG_INFINITY, f64::max),
+                overlap_m: nodes.iter().map(overlap_m).fold(f64::NEG_INFINITY, larger),
                 area_m2: nodes.iter().filter(|node| overlap_m(node) > 0.0).map(|node| node.area_m2).sum(),
                 radius_m: nodes.iter().map(|node| node.place.distance(at)).fold(0.0, f64::max),
                 slip_world: tangential(&slip_speeds),

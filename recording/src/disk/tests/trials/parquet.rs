@@ -157,6 +157,18 @@ fn every_fault_of_a_parquet_table_is_named_with_its_row() {
     }
 }
 
+/// Tests that a file of another kind is said to be none of Parquet, and that one that only has no footer is damaged.
+#[test]
+fn another_kind_of_file_is_not_called_damaged() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trials.parquet");
+    let files = [("summary = \"a scene\"\n", "file"), ("PAR1 and more", "Parquet"), ("PARE and more", "Parquet")];
+    for (text, field) in files {
+        fs::write(&path, text).unwrap();
+        assert_eq!(refused(read_trials(&path)).field, field, "{text}");
+    }
+}
+
 /// Tests that truth values, numbers and a column without values are read, as in CSV files.
 #[test]
 fn touched_in_parquet_may_be_a_flag_or_a_number() {
