@@ -75,14 +75,18 @@ pub fn standard_normals(random: &mut ChaCha8Rng, pairs: &mut [[Normal; 2]]) {
         let numbers = &mut numbers[..2 * missing];
         random.fill(numbers);
         for [x, y] in numbers.as_chunks().0 {
-            // As `rand` makes a number between 0 and 1.
-            let [x, y] = [x, y].map(|number| 2.0 * ((number >> 11) as f64 * 2_f64.powi(-53)) - 1.0);
+            let [x, y] = [x, y].map(|number| 2.0 * share(*number) - 1.0);
             let square = x * x + y * y;
             // A pair outside the circle is overwritten by the next one.
             pairs[drawn] = [x, y].map(|x| Normal { x, square });
             drawn += usize::from(0.0 < square && square < 1.0);
         }
     }
+}
+
+/// The number from 0 to 1 that `rand` makes of a drawn one.
+pub fn share(number: u64) -> f64 {
+    (number >> 11) as f64 * 2_f64.powi(-53)
 }
 
 /// Pairs that [`standard_normals`] draws at once.

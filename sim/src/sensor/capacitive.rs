@@ -8,6 +8,7 @@ use underbrush_recording::{FRAME_PERIOD_S, Patch, math};
 
 use super::options::SensorOptions;
 use super::shared::{Noise, quantized, steps_per_n};
+use crate::seed::share;
 
 /// Retardation times of the cover's creep, s. With one per decade, the reading of a held force grows with the logarithm
 /// of time between the first and the last, as the strain of rubber does.
@@ -24,6 +25,9 @@ pub struct Capacitive {
     creep_advance: [f64; CREEP_TIMES_S.len()],
     /// Creep of each taxel so far, as a force, N, by retardation time.
     crept_n: Vec<[f64; CREEP_TIMES_S.len()]>,
+    /// The taxels that a force has reached so far. The others feel nothing and have not crept.
+    reached: Vec<usize>,
+    is_reached: Vec<bool>,
     spurious: SpuriousReadings,
     noise: Noise,
     floor_n: f64,
@@ -40,6 +44,8 @@ impl Capacitive {
             creep_share: options.creep_share_per_decade,
             creep_advance: CREEP_TIMES_S.map(|time_s| -math::exp_m1(-FRAME_PERIOD_S / time_s)),
             crept_n: vec![[0.0; CREEP_TIMES_S.len()]; patch.taxels.len()],
+            reached: Vec::new(),
+            is_reached: vec![false; patch.taxels.len()],
             spurious: SpuriousReadings::new(options, patch.taxels.len()),
             noise: Noise::new(options.noise_n, options.gate_sigmas * options.noise_n),
             floor_n: options.floor_n,
@@ -56,23 +62,22 @@ impl Capacitive {
         random: &mut ChaCha8Rng,
         random_spurious: &mut ChaCha8Rng,
     ) {
-        let offsets = self.spurious.advance(random_spurious);
-        let is_pressed = true_force_n.iter().any(|force| *force != 0.0);
-        for (taxel, (reading, offset)) in reading_n.iter_mut().zip(offsets).enumerate() {
-            let neighbours = &self.neighbours[taxel];
-            let felt = if is_pressed { felt(neighbours, self.crosstalk_share, true_force_n, taxel) } else { 0.0 };
-            let crept = &mut self.crept_n[taxel];
-            // Most taxels have not been pressed yet.
-            let crept_n = if felt != 0.0 || *crept != [0.0; CREEP_TIMES_S.len()] {
-                // Kelvin-Voigt elements, dz/dt = (f − z)/τ, integrated exactly for a force that is constant over the frame.
-                for (crept, advance) in crept.iter_mut().zip(self.creep_advance) {
-                    *crept += (felt - *crept) * advance;
+        for taxel in (0..true_force_n.len()).filter(|taxel| true_force_n[*taxel] != 0.0) {
+            for reached in self.neighbours[taxel].into_iter().chain([taxel]) {
+                if !std::mem::replace(&mut self.is_reached[reached], true) {
+                    self.reached.push(reached);
                 }
-                crept.iter().sum::<f64>()
-            } else {
-                0.0
-            };
-            *reading = felt + self.creep_share * crept_n + offset;
+            }
+        }
+        reading_n.copy_from_slice(self.spurious.advance(random_spurious));
+        for taxel in &self.reached {
+            let felt = felt(&self.neighbours[*taxel], self.crosstalk_share, true_force_n, *taxel);
+            let crept = &mut self.crept_n[*taxel];
+            // Kelvin-Voigt elements, dz/dt = (f − z)/τ, integrated exactly for a force that is constant over the frame.
+            for (crept, advance) in crept.iter_mut().zip(self.creep_advance) {
+                *crept += (felt - *crept) * advance;
+            }
+            reading_n[*taxel] = felt + self.creep_share * crept.iter().sum::<f64>() + reading_n[*taxel];
         }
         self.noise.add(reading_n, random);
         for reading in reading_n.iter_mut().filter(|reading| **reading != 0.0) {
@@ -108,6 +113,9 @@ struct SpuriousReadings {
     force_n: [f64; 2],
     /// Present offset of each taxel, N; 0 for a taxel without a spurious reading.
     offset_n: Vec<f64>,
+    /// Buffer of the numbers that are drawn in a frame.
+    #[serde(skip)]
+    drawn: Vec<u64>,
 }
 
 impl SpuriousReadings {
@@ -121,6 +129,7 @@ impl SpuriousReadings {
             end,
             force_n: options.spurious_force_n,
             offset_n: vec![0.0; taxels],
+            drawn: Vec::new(),
         }
     }
 
@@ -128,15 +137,20 @@ impl SpuriousReadings {
     fn advance(&mut self, random: &mut ChaCha8Rng) -> &[f64] {
         if self.begin > 0.0 {
             let [min, max] = self.force_n;
-            // As `random_bool` compares them, which would find these bounds for each taxel anew.
             let [begin, end] = [self.begin, self.end].map(|probability| (probability * 2_f64.powi(64)) as u64);
+            // Each taxel takes at least one number, and all of them are faster to draw at once.
+            self.drawn.resize(self.offset_n.len(), 0);
+            random.fill(self.drawn.as_mut_slice());
+            let mut drawn = self.drawn.iter();
+            let mut next = || drawn.next().copied().unwrap_or_else(|| random.next_u64());
             for offset in &mut self.offset_n {
+                let number = next();
                 if *offset > 0.0 {
-                    if random.next_u64() < end {
+                    if number < end {
                         *offset = 0.0;
                     }
-                } else if random.next_u64() < begin {
-                    *offset = min + (max - min) * random.random::<f64>();
+                } else if number < begin {
+                    *offset = min + (max - min) * share(next());
                 }
             }
         }

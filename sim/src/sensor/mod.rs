@@ -137,7 +137,7 @@ impl Sensor {
                 Electronics::Fabric(taxels) => taxels.read(force, reading, &mut self.random),
             }
         }
-        for (reading, dead) in newest.iter_mut().zip(&self.dead) {
+        for (reading, dead) in newest.iter_mut().zip(&self.dead).filter(|(reading, _)| **reading != 0.0) {
             // Data sets store readings in single precision. Controllers and online classifiers get the same numbers.
             *reading = if *dead { 0.0 } else { f64::from(*reading as f32) };
         }
