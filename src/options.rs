@@ -32,9 +32,9 @@ pub fn number<T: FromStr + 'static>(
     move |text| text.parse().ok().filter(is_allowed).ok_or_else(|| allowed.to_owned())
 }
 
-/// Two values with a sign between them, such as leaf=0.7; `None` if a text is anything else.
+/// Two values with a sign between them, such as leaf=0.7; `None` if a text is anything else. A name is not empty.
 pub fn pair<A: FromStr, B: FromStr>(text: &str, sign: char) -> Option<(A, B)> {
-    let (first, second) = text.split_once(sign)?;
+    let (first, second) = text.split_once(sign).filter(|(first, _)| !first.is_empty())?;
     Some((first.parse().ok()?, second.parse().ok()?))
 }
 

@@ -90,12 +90,29 @@ def test_frames_and_verdicts_come_in_foxglove(model: Path) -> None:
 
 
 def test_bad_lines_and_resets_are_answered_as_without_foxglove(model: Path) -> None:
-    """Tests that the output is byte for byte that of the command without a viewer."""
-    lines = '{"time_s":0.01,"taxels":[]}\n\nnothing\n{"reset":true}\n{"time_s":0.01,"taxels":[{"taxel":9999,"sensed_force_n":1}]}\n'
+    """Tests that the output is byte for byte that of the command without a viewer, whatever the bytes of a line and its poses are."""
+    lines = b'\xef\xbb\xbf{"time_s":0.01,"taxels":[]}\n\n\f\n\v\n\xff\nnothing\n{"reset":true}\n'
+    lines += b'{"time_s":0.01,"taxels":[{"taxel":9999,"sensed_force_n":1}]}\n{"time_s":0.02,"taxels":[],"patch_pose_world":5}\n'
+    lines += b'{"time_s":0.03,"taxels":[],"patch_pose_world":{"forearm":{},"flipper":null,"hat":{}}}\n'
     command = [sys.executable, "-P", "-m", "underbrush", "classify", str(model), "-"]
-    alone = subprocess.run(command, input=lines, capture_output=True, text=True, check=True)
-    beside = subprocess.run([*command, "--foxglove", "0"], input=lines, capture_output=True, text=True, check=True)
-    assert beside.stdout == alone.stdout and alone.stdout.count("\n") == 4
+    alone = subprocess.run(command, input=lines, capture_output=True, check=True)
+    beside = subprocess.run([*command, "--foxglove", "0"], input=lines, capture_output=True, check=True)
+    assert beside.stdout == alone.stdout and alone.stdout.count(b"\n") == 8
+
+
+def test_the_skin_may_be_that_of_a_data_set(model: Path, data: ub.Dataset) -> None:
+    """Tests that a data set can be given with ``--skin``, as without a viewer."""
+    command = [sys.executable, "-P", "-m", "underbrush", "classify", str(model), "-", "--foxglove", "0", "--skin", str(data.path)]
+    found = subprocess.run(command, input='{"time_s":0.01,"taxels":[]}\n', capture_output=True, text=True, check=True)
+    assert found.stdout == '{"time_s":0.01,"taxels":[]}\n'
+
+
+def test_files_and_wrong_ports_are_refused(model: Path, data: ub.Dataset) -> None:
+    """Tests that a data set in place of ``-``, whose verdicts would not be shown, and a port that cannot exist are errors."""
+    for given, part in ((str(data.path), "0"), "standard input"), (("-", "65536"), "0 to 65535"):
+        command = [sys.executable, "-P", "-m", "underbrush", "classify", str(model), given[0], "--foxglove", given[1]]
+        found = subprocess.run(command, input="", capture_output=True, text=True, check=False)
+        assert found.returncode == 2 and part in found.stderr and "Traceback" not in found.stderr, found.stderr
 
 
 def test_a_model_that_is_not_there_is_an_error(tmp_path: Path) -> None:

@@ -228,7 +228,7 @@ def test_trials_through_mcap_are_those_of_the_reach(
 
 def test_several_reaches_become_a_folder(data: ub.Dataset, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Tests that each reach has a file, that files of another export are refused or removed, that a failed export leaves no
-    file, and that an input is not overwritten."""
+    file, and that no input, no folder and no file in place of a folder is overwritten."""
     folder, file, recording = tmp_path / "many", tmp_path / "one.mcap", tmp_path / "reach.parquet"
     main = underbrush.mcap.main
     assert main(["export", str(data.path), "--out", str(folder)]) == 0
@@ -243,6 +243,10 @@ def test_several_reaches_become_a_folder(data: ub.Dataset, tmp_path: Path, capsy
     before = recording.read_bytes()
     assert main(["export", str(recording), "--out", str(recording), "--force"]) == 2
     assert "is an input" in capsys.readouterr().err and recording.read_bytes() == before
+    assert main(["export", str(recording), "--out", str(folder), "--force"]) == 2
+    assert "is a folder or not a regular file" in capsys.readouterr().err
+    assert main(["export", str(data.path), "--out", str(file), "--force"]) == 2
+    assert "several reaches become a folder" in capsys.readouterr().err
     assert main(["export", str(recording), str(recording), "--out", str(folder), "--force"]) == 0
     assert len(list(folder.iterdir())) == 2
     assert main(["export", str(tmp_path / "nowhere"), "--out", str(tmp_path / "new.mcap")]) == 2
@@ -293,8 +297,9 @@ def test_channels_hold_the_last_message(reach: ub.Reach, path: Path, tmp_path: P
 
 
 def test_logs_without_the_forces_are_refused(path: Path, tmp_path: Path) -> None:
-    """Tests that a wrong topic or field and a file that is cut are errors which say what there is."""
+    """Tests that a wrong topic or field, and a file that is cut or missing, are errors which say what there is."""
     out = tmp_path / "log.csv"
+    assert underbrush.mcap.main(["csv", str(tmp_path / "nowhere.mcap"), "--topic", "/palm", "--out", str(out)]) == 2
     with pytest.raises(ub.InputError, match=r"'/palm'; allowed: .*/skin/forearm"):
         underbrush.mcap.csv_of(path, out, "/palm")
     with pytest.raises(ub.InputError, match="'depth'; allowed: sensed_force_n"):

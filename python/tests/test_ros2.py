@@ -115,6 +115,20 @@ def test_nothing_else_is_overwritten(reach: ub.Reach, tmp_path: Path) -> None:
     assert (tmp_path / "other" / "thesis.txt").exists()
 
 
+def test_two_exports_are_not_mixed(reach: ub.Reach, tmp_path: Path) -> None:
+    """Tests that bags of an earlier export are refused, or all removed with ``force``, and none if a folder among them is no bag."""
+    underbrush.ros2.export([reach, reach], tmp_path)
+    with pytest.raises(ub.InputError, match="reach-000000: exists already"):
+        underbrush.ros2.export([reach], tmp_path)
+    (tmp_path / "reach-000000.mcap").write_text("of another tool")
+    underbrush.ros2.export([reach], tmp_path, force=True)
+    assert sorted(own.name for own in tmp_path.iterdir()) == ["reach-000000", "reach-000000.mcap"]
+    (tmp_path / "reach-000001").mkdir()
+    with pytest.raises(ub.InputError, match="reach-000001: exists already; choose another name"):
+        underbrush.ros2.export([reach], tmp_path, force=True)
+    assert (tmp_path / "reach-000000" / "metadata.yaml").exists()
+
+
 def test_a_data_set_has_the_urdf_of_its_arm(tmp_path: Path) -> None:
     """Tests that the bags of a data set hold the URDF of its arm, also those that the command writes, and another URDF if it is given."""
     cody = (ROOT / "sim" / "arms" / "cody" / "cody.urdf").read_text()
@@ -127,6 +141,15 @@ def test_a_data_set_has_the_urdf_of_its_arm(tmp_path: Path) -> None:
         assert (tmp_path / "bag" / "robot.urdf").read_text() == urdf
         with rosbag2.Reader(tmp_path / "bag") as reader:
             assert "/robot_description" in {connection.topic for connection in reader.connections}
+
+
+def test_a_urdf_that_cannot_be_read_is_refused(reach: ub.Reach, tmp_path: Path) -> None:
+    """Tests that a missing URDF, a folder and a file that is no text are errors that name it, and that nothing is written."""
+    (tmp_path / "binary.urdf").write_bytes(b"\xff\xff")
+    for urdf in ("nowhere.urdf", "binary.urdf", "."):
+        with pytest.raises(ub.InputError, match="urdf: found"):
+            underbrush.ros2.export(reach, tmp_path / "bag", urdf=tmp_path / urdf)
+    assert not (tmp_path / "bag").exists()
 
 
 def test_a_recording_of_the_arm_that_ships_has_its_urdf(reach: ub.Reach, tmp_path: Path) -> None:

@@ -119,13 +119,15 @@ def test_an_animated_webp_plays_without_end(data: ub.Dataset, tmp_path: Path) ->
 
 
 def test_what_cannot_be_filmed_is_refused(data: ub.Dataset, tmp_path: Path) -> None:
-    """Tests the errors for another ending, odd sizes, and a rate that does not divide that of the data set; nothing is left."""
+    """Tests the errors for another ending, odd sizes, a rate that does not divide that of the data set, and the size of a camera
+    without its place; nothing is left."""
     with pytest.raises(ub.InputError, match=r"film\.avi"):
         underbrush.video.film(data[0], tmp_path / "film.avi")
     with pytest.raises(ub.InputError, match="97 x 64"):
         underbrush.video.film(data[0], tmp_path / "film.mp4", size=(97, 64))
     arguments = ["lerobot", str(data.path), "--out", str(tmp_path / "set"), "--fps"]
     assert underbrush.video.main([*arguments, "30"]) == 2
+    assert underbrush.video.main([*arguments, "25", "--size", "64x64"]) == 2
     assert not list(tmp_path.iterdir())
 
 
@@ -193,8 +195,8 @@ def test_depth_is_added_to_a_data_set(data: ub.Dataset, tmp_path: Path) -> None:
 
 def test_the_cameras_of_a_scene_take_the_pictures(tmp_path: Path) -> None:
     """Tests that a data set of a scene with two cameras gets the pictures of both, that the one which a link carries sees the
-    link at the same place of the picture in every frame, and what is refused: a second scene with other cameras, and links
-    and names of cameras that do not exist."""
+    link at the same place of the picture in every frame, and what is refused: a second scene with other cameras, names of cameras
+    that cannot be those of features, and links and names of cameras that do not exist."""
     cameras = [
         {"name": "front", "eye_m": [0.9, -1.5, 0.7], "target_m": [0.55, -0.05, -0.15], "size_px": [96, 64]},
         {"name": "hand", "link": "forearm", "eye_m": [0.25, 0, 0.13], "target_m": [0, 0, 0.13], "size_px": [64, 64]},
@@ -216,6 +218,9 @@ def test_the_cameras_of_a_scene_take_the_pictures(tmp_path: Path) -> None:
     other = ub.generate([scene, ub.Scene("leaf").changed(one_goal)], 1, tmp_path / "two", seed=1, progress=False)
     with pytest.raises(ub.InputError, match="the same names and sizes as in trunk"):
         underbrush.video.lerobot(other.path, tmp_path / "refused")
+    for name in ("a/b", "../out", ""):
+        with pytest.raises(ub.InputError, match="letters, digits, - and _"):
+            underbrush.video.lerobot(data.path, tmp_path / "refused", {name: scene.cameras["hand"]})
     with pytest.raises(ub.InputError, match="found the link \"thumb\""):
         reach.render([0], camera=ub.Camera((1, 0, 0), (0, 0, 0), link="thumb"))
     film = ["film", str(data.path), "--out", str(tmp_path / "film.mp4"), "--size", "96x64", "--camera"]

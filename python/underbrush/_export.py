@@ -19,9 +19,12 @@ from ._errors import InputError, refused
 
 @contextlib.contextmanager
 def whole(path: Path, force: bool, source: str | os.PathLike[str] | None = None) -> Iterator[Path]:
-    """A temporary file that gets its name when it is complete. Missing folders around it are made. It must not replace its source."""
+    """A temporary file that gets its name when it is complete. Missing folders around it are made. It must not replace its source,
+    and neither a folder nor a device."""
     if source is not None and path.exists() and path.samefile(source):
         raise InputError(f"{path}: is the input; choose another name", file=str(path))
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: is a folder or not a regular file; give the name of a file to write", file=str(path))
     _core._check_free(path, force)
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
@@ -33,6 +36,13 @@ def whole(path: Path, force: bool, source: str | os.PathLike[str] | None = None)
     finally:
         os.close(descriptor)
         temporary.unlink(missing_ok=True)
+
+
+def make_folder(path: Path) -> None:
+    """Makes the folder for the files of several reaches, if it is not there."""
+    if path.exists() and not path.is_dir():
+        raise InputError(f"{path}: is a file, and several reaches become a folder; choose another name", file=str(path))
+    path.mkdir(parents=True, exist_ok=True)
 
 
 def each(reaches: _core.Reach | _core.Dataset | Iterable[_core.Reach]) -> Iterator[_core.Reach]:

@@ -15,6 +15,7 @@ Needs Foxglove's library: ``pip install 'underbrush[foxglove]'``.
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import subprocess
 import sys
@@ -26,6 +27,10 @@ from typing import Any, TextIO
 import numpy as np
 
 from . import _core, _export, mcap
+from ._errors import InputError, refused
+
+# What the command takes for white space. A line of nothing else gets no answer.
+_BLANK = " \t\n\f\r"
 
 
 class Server:
@@ -40,6 +45,8 @@ class Server:
 
     Raises
     ------
+    InputError
+        If there is no such port.
     OSError
         If the port is in use.
     """
@@ -49,6 +56,8 @@ class Server:
             import foxglove
         except ImportError as error:
             raise ImportError("underbrush.live needs foxglove-sdk: pip install 'underbrush[foxglove]'") from error
+        if not 0 <= port <= 65535:
+            raise refused("port", str(port), "0 to 65535", "choose such a port, or 0 for a free one")
         self._context = foxglove.Context()
         try:
             self._server = foxglove.start_server(name="underbrush", port=port, context=self._context)
@@ -79,15 +88,20 @@ class Server:
         names = [patch["name"] for patch in self._patches]
         force_n = {name: np.zeros(len(patch["taxels"])) for name, patch in zip(names, self._patches)}
         for taxel in frame["taxels"]:
-            patch = taxel.get("patch", 0)
+            patch = taxel.get("patch") or 0
             force_n[patch if isinstance(patch, str) else names[patch]][taxel["taxel"]] = taxel["sensed_force_n"]
-        given = frame.get("patch_pose_world") or {}
-        poses = given if isinstance(given, dict) else dict(zip(names, given))
+        given = frame.get("patch_pose_world")
+        poses = given if isinstance(given, dict) else dict(zip(names, given if isinstance(given, list) else []))
         # A grid has no place on the arm. Patches stand beside it, one above the other.
-        moved = [(f"skin/{name}", [0.0, 1.0, 0.5 * place], [0.0, 0.0, 0.0, 1.0]) for place, name in enumerate(names)]
-        links = {patch["name"]: patch["link"] for patch in self._patches}
-        moved += [(links[name], pose["position"], pose["orientation"]) for name, pose in poses.items() if pose is not None]
-        self._log("/tf", now, {"transforms": [mcap.transform(now, *own) for own in moved]})
+        moved = [mcap.transform(now, f"skin/{name}", [0.0, 1.0, 0.5 * place], [0.0, 0.0, 0.0, 1.0]) for place, name in enumerate(names)]
+        for patch in self._patches:
+            pose: Any = poses.get(patch["name"])
+            try:
+                moved.append(mcap.transform(now, patch["link"], pose["position"], pose["orientation"]))
+            except (KeyError, TypeError, ValueError):
+                # There is no pose. Models that do not use motion take frames with anything in its place.
+                continue
+        self._log("/tf", now, {"transforms": moved})
         for patch in self._patches:
             for topic, message in mcap.skin_messages(now, patch, force_n[patch["name"]]):
                 self._log(topic, now, message)
@@ -118,7 +132,10 @@ def classify(arguments: list[str], frames: Iterable[str], out: TextIO, server: S
         The exit status of the command.
     """
     command = [sys.executable, "-P", "-m", "underbrush", "classify", *arguments]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1) as child:
+    # Bytes that are not UTF-8 reach the command as they are, and it answers them.
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8", errors="surrogateescape", bufsize=1
+    ) as child:
         assert child.stdin is not None and child.stdout is not None
         for line in frames:
             try:
@@ -126,8 +143,7 @@ def classify(arguments: list[str], frames: Iterable[str], out: TextIO, server: S
                 child.stdin.flush()
             except BrokenPipeError:
                 break
-            # A blank line gets no answer.
-            if not line.strip():
+            if not line.strip(_BLANK):
                 continue
             answer = child.stdout.readline()
             if not answer:
@@ -139,6 +155,15 @@ def classify(arguments: list[str], frames: Iterable[str], out: TextIO, server: S
         # The command prints what it answered, and ends.
         child.communicate()
     return child.returncode
+
+
+def _skin(path: Path | None) -> _core.Skin:
+    """The skin that ``--skin`` names."""
+    if path is None:
+        return _core.Arm.cody().skin
+    if path.is_dir():
+        return _core.Dataset(path).skin
+    return _core.Reach.load(path).skin if path.suffix == ".parquet" else _core.Skin.load(path)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -153,12 +178,15 @@ def main(arguments: list[str] | None = None) -> int:
 
     def run() -> None:
         nonlocal status
-        skin = _core.Skin.load(options.skin) if options.skin else _core.Arm.cody().skin
+        if "-" not in others:
+            raise InputError("--foxglove is for frames on standard input; give `-` in place of the input, or leave --foxglove out")
         chosen = ["--skin", str(options.skin)] if options.skin else []
-        server = Server(skin, options.foxglove)
+        server = Server(_skin(options.skin), options.foxglove)
+        # A byte order mark is no part of the first line.
+        frames = io.TextIOWrapper(sys.stdin.buffer, encoding="utf-8-sig", errors="surrogateescape", newline="\n")
         print(f"Foxglove: ws://localhost:{server.port}", file=sys.stderr)
         try:
-            status = classify([*others, *chosen], sys.stdin, sys.stdout, server)
+            status = classify([*others, *chosen], frames, sys.stdout, server)
         finally:
             server.close()
 

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, _export
-from ._errors import InputError
+from ._errors import InputError, refused
 from .results import SceneObject
 
 # The root frame, which is the parent of all others.
@@ -413,7 +413,7 @@ def export(
     """
     path = Path(path)
     if not isinstance(reaches, _core.Reach):
-        path.mkdir(parents=True, exist_ok=True)
+        _export.make_folder(path)
         for other in _files(path):
             _core._check_free(other, force)
             other.unlink()
@@ -494,6 +494,8 @@ def csv_of(
 
 def _log(path: Path) -> Path:
     """The file of a bag of ROS 2, which is a folder. A file is its own."""
+    if not path.exists():
+        raise refused("file", "no such file", "an MCAP file, or the folder of a bag", "check the path", file=str(path))
     if not path.is_dir():
         return path
     files = list(path.glob("*.mcap"))

@@ -11,7 +11,7 @@ import argparse
 import shutil
 import sys
 from collections.abc import Callable, Iterable
-from os import PathLike
+from os import PathLike, getpid
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, _export, mcap
-from ._errors import InputError
+from ._errors import InputError, refused
 
 _WORLD = "world"
 _KINDS = {"cubes": "CUBE", "spheres": "SPHERE", "cylinders": "CYLINDER", "triangles": "TRIANGLE_LIST"}
@@ -182,7 +182,10 @@ def _of_cody(reach: _core.Reach) -> str | None:
 def _urdf_of(dataset: _core.Dataset | None, urdf: str | PathLike[str] | None) -> Callable[[_core.Reach], str | None]:
     """The URDF of the arm of a reach: this file, else what the data set was made from."""
     if urdf is not None:
-        text = Path(urdf).read_text(encoding="utf-8")
+        try:
+            text = Path(urdf).read_text(encoding="utf-8")
+        except (FileNotFoundError, IsADirectoryError, UnicodeDecodeError) as error:
+            raise refused("urdf", str(error), "a readable text file", "check the path", file=str(urdf)) from error
         return lambda reach: text
     if dataset is None:
         return _of_cody
@@ -212,15 +215,23 @@ def export(
         holds the URDF of its arm, and needs this only for another one. Other reaches need it if their arm is not the one
         that ships.
     force : bool
-        Remove a bag that exists. Folders that are no bags are never removed.
+        Remove a bag that exists. In a folder of several, all bags of an earlier export are removed, so that the two are not
+        mixed. Folders that are no bags are never removed.
 
     Raises
     ------
     InputError
-        If the folder exists, and ``force`` is not set or it is no bag.
+        If the folder of a bag exists, or the folder has bags of another export, and ``force`` is not set or one is no bag.
     """
     dataset = reaches if isinstance(reaches, _core.Dataset) else None
     _export_with(_urdf_of(dataset, urdf), reaches, Path(path), force)
+
+
+def _check_free(path: Path, force: bool) -> None:
+    """Refuses a path where something is already, unless it is a bag and ``force`` says that it may be removed."""
+    if path.exists() and not (force and (path / "metadata.yaml").exists()):
+        remedy = "choose another name" if force else "choose another name, or overwrite it with --force if it is a bag"
+        raise InputError(f"{path}: exists already; {remedy}", file=str(path))
 
 
 def _export_with(
@@ -228,17 +239,19 @@ def _export_with(
 ) -> None:
     """Writes the bags of reaches with the URDF of each scene."""
     if not isinstance(reaches, _core.Reach):
-        path.mkdir(parents=True, exist_ok=True)
+        _export.make_folder(path)
+        others = sorted(path.glob("reach-??????"))
+        for other in others:
+            _check_free(other, force)
+        for other in others:
+            shutil.rmtree(other)
         for number, reach in enumerate(_export.each(reaches)):
-            _export_with(urdf_of, reach, path / f"reach-{number:06}", force)
+            _export_with(urdf_of, reach, path / f"reach-{number:06}", force=False)
         return
     text = urdf_of(reaches)
-    if path.exists() and not (force and (path / "metadata.yaml").exists()):
-        remedy = "choose another name" if force else "choose another name, or overwrite it with --force if it is a bag"
-        raise InputError(f"{path}: exists already; {remedy}", file=str(path))
+    _check_free(path, force)
     path.parent.mkdir(parents=True, exist_ok=True)
-    whole = path.with_name(f".{path.name}.part")
-    shutil.rmtree(whole, ignore_errors=True)
+    whole = path.with_name(f".{path.name}.{getpid()}")
     try:
         _Bag(whole, reaches).run(text)
         # The metadata names the file, and the file has the name of the folder.
@@ -249,7 +262,7 @@ def _export_with(
             file.rename(whole / renamed)
         if text is not None:
             (whole / "robot.urdf").write_text(text, encoding="utf-8")
-        if path.exists():
+        if force and path.exists():
             shutil.rmtree(path)
         whole.rename(path)
     finally:

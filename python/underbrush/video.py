@@ -241,8 +241,11 @@ def _cameras(dataset: _core.Dataset, given: Mapping[str, _core.Camera] | None) -
         if found != sizes:
             remedy = "give the cameras with `cameras`, or a data set of one scene"
             raise _fault("cameras", f"{found} in {name}", f"the same names and sizes as in {first[0]}, {sizes}", remedy)
-    for size in sizes.values():
+    for name, size in sizes.items():
         _check_size(size)
+        # A feature of LeRobot has no slash in its name, and the name is that of a folder. Scene files have the same rule.
+        if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
+            raise _fault("cameras", repr(name), "a name of letters, digits, - and _", "give the camera such a name")
     return {name: {scene: cameras[name] for scene, cameras in scenes.items()} for name in sizes}
 
 
@@ -281,7 +284,7 @@ def lerobot(
     Raises
     ------
     InputError
-        If the rate is no divisor, a size is odd, the depth of a camera has the name of another one, a link that carries a camera is not known, or the scenes of the data set have
+        If the rate is no divisor, a size is odd, a name has more than letters, digits, - and _, the depth of a camera has the name of another one, a link that carries a camera is not known, or the scenes of the data set have
         different cameras.
     """
     try:
@@ -422,6 +425,11 @@ def main(arguments: list[str] | None = None) -> int:
         if "eye" in options:
             place = _core.Camera(options.eye, options.target, vertical_fov_deg=options.fov, size_px=size)
             own = {str(options.name): place}
+        else:
+            plain = parser.parse_args(["lerobot", ".", "--out", "."])
+            for name in ("target", "fov", "size", "name"):
+                if getattr(options, name) != getattr(plain, name):
+                    raise InputError(f"--{name} is for the camera of --eye; give --eye, too, or leave it out")
         return {"frames": lerobot(options.data, options.out, own, fps=options.fps, depth=options.depth)}
 
     return _export.status(run, options)

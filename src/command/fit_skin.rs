@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use clap::Args;
 use clap::builder::TypedValueParser;
+use clap::{ArgGroup, Args};
 use serde::Serialize;
 use underbrush_exchange::press::{Estimate, PressFit, Punch, fit_press, read_press};
 use underbrush_sim::materials::{CONSTANTS, Constant, MaterialFile};
@@ -18,14 +18,15 @@ use crate::{Failure, Overwrite, options, output};
 /// layer of the thickness 1/β. C and, if the press shows them, τ and 1/β are written as a file of materials,
 /// for `underbrush generate --materials FILE`.
 #[derive(Args)]
+#[command(group(ArgGroup::new("punch").required(true)))]
 pub struct FitSkinOptions {
     /// The press test: CSV with the columns time_s, depth_m and force_n
     press: PathBuf,
     /// Area of a flat punch, or of the pad if the punch is larger, cm²
-    #[arg(long, value_name = "CM2", required_unless_present = "ball_radius_mm", value_parser = positive())]
+    #[arg(long, value_name = "CM2", group = "punch", value_parser = positive())]
     punch_area_cm2: Option<f64>,
     /// Radius of a ball, mm
-    #[arg(long, value_name = "MM", conflicts_with = "punch_area_cm2", value_parser = positive())]
+    #[arg(long, value_name = "MM", group = "punch", value_parser = positive())]
     ball_radius_mm: Option<f64>,
     /// Write C, τ and 1/β to this file of materials (TOML)
     #[arg(long, value_name = "FILE.toml")]

@@ -28,7 +28,8 @@ impl Overwrite {
         // Only then does a name with `..` lead to where it will lead, which may be an input.
         output::create_parents(path)?;
         check_not_input(path, inputs)?;
-        if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+        let is_named_as_folder = path.to_string_lossy().ends_with(std::path::is_separator);
+        if is_named_as_folder || std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
             let text = "is a folder or not a regular file; give the name of a file to write";
             return Err(Failure::usage(text).about(path));
         }

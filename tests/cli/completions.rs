@@ -14,6 +14,12 @@ fn shells_get_scripts() {
     assert!(bash.status.success(), "{}", String::from_utf8_lossy(&bash.stderr));
 }
 
+/// Tests that the error names both things that can be asked for if neither is.
+#[test]
+fn a_shell_or_a_folder_is_needed() {
+    underbrush!["completions"].refused(&["SHELL", "--manual"]);
+}
+
 /// Tests that there is a manual page for the program and each command, with the options of that command.
 #[test]
 fn commands_have_manual_pages() {
@@ -24,4 +30,14 @@ fn commands_have_manual_pages() {
     let page = |name: &str| std::fs::read_to_string(man.join(name)).unwrap();
     assert!(page("underbrush.1").contains("underbrush\\-generate(1)"));
     assert!(page("underbrush-generate.1").contains("\\-\\-reaches"));
+}
+
+/// Tests that examples on manual pages are neither hyphenated nor justified, so that they can be copied.
+#[test]
+fn examples_on_manual_pages_stay_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    underbrush!["completions", "--manual", folder.path()].success();
+    let page = std::fs::read_to_string(folder.path().join("underbrush-classify.1")).unwrap();
+    let (_, examples) = page.split_once(".SH EXTRA\n.nh\n.ad l\n").unwrap();
+    assert!(examples.contains("sensed_force_n"), "{examples}");
 }

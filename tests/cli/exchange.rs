@@ -164,8 +164,11 @@ fn touch_learns_from_a_labelled_log() {
     std::fs::write(&file, log).unwrap();
     let text = "[time]\nrate_hz = 100\n[force]\nfrom = \"f{taxel}\"\ntaxels = 16\n[grid]\nrows = 4\ncolumns = 4\n\
                 [trial]\npatch = \"pad\"\ncategory_from = \"what\"\nreach_from = \"run\"\n";
-    underbrush!["import", file, "--mapping", mapping(folder.path(), text), "--out", felt]
-        .refused(&["skin.taxels", "the file of the taxels' places"]);
+    underbrush!["import", file, "--mapping", mapping(folder.path(), text), "--out", felt].refused(&[
+        "skin.taxels",
+        "the file of the taxels' places",
+        "a table of trials is called .csv",
+    ]);
     let map = mapping(folder.path(), &format!("{text}[skin]\ntaxels = \"taxels.csv\"\n"));
     underbrush!["import", file, "--mapping", map, "--out", felt].success();
     underbrush!["import", file, "--mapping", map, "--out", felt].refused(&["felt", "--force"]);

@@ -64,6 +64,7 @@ fn a_press_becomes_materials() {
 
     fs::write(&poor, "time_s,depth_m,force_n\n0,0.001,1\n1,0.002,2\n").unwrap();
     underbrush!["fit-skin", poor, "--punch-area-cm2", "4"].refused(&["poor.csv", "at least 20"]);
+    underbrush!["fit-skin", poor].refused(&["--punch-area-cm2", "--ball-radius-mm"]);
     let text = fs::read_to_string(&materials).unwrap();
     fs::write(&materials, text.replace("skin_loss_time_s", "skin_lost_time_s")).unwrap();
     underbrush!["generate", scene, "--reaches", "1", "--materials", materials, "--out", "x"].refused(&[

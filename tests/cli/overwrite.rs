@@ -67,6 +67,14 @@ fn an_input_is_recognized_behind_a_new_folder() {
     underbrush!["trials", table, "--out", out, "--force"].refused(&["an input of this command"]);
 }
 
+/// Tests that the name of a folder in place of that of a file is refused before the work, also if there is no such folder.
+#[test]
+fn a_name_that_ends_in_a_slash_is_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let models = format!("{}/models/", folder.path().display());
+    underbrush!["train", fixture().table_csv(), "--states", "2", "--out", models].refused(&["models/", "is a folder"]);
+}
+
 /// Tests that `--force` does not remove anything but a data set, and neither an input.
 #[test]
 fn force_removes_data_sets_alone() {

@@ -50,7 +50,8 @@ pub(super) struct Recorder<'a> {
 impl<'a> Recorder<'a> {
     /// A recorder with the taxels of the mapping's file.
     pub(super) fn new(path: &'a Path, mapping: &'a Mapping) -> Result<Self, InputError> {
-        let allowed = "the file of the taxels' places, for recordings in a folder";
+        let allowed =
+            "the file of the taxels' places, for recordings in a folder; a table of trials is called .csv or .parquet";
         let file = mapping.taxels_file().ok_or_else(|| mapping.fault("skin.taxels", "nothing".into(), allowed))?;
         let name = mapping.file.trial.patch.clone().unwrap_or_else(|| "skin".into());
         let taxels = read_taxels(&file)?;

@@ -228,7 +228,9 @@ pub(super) fn create_folder(folder: &Path) -> Result<()> {
     if !is_there(parent)? {
         create_folder(parent)?;
     }
-    // Does nothing if it is there.
-    fs::create_dir_all(folder).map_err(DiskError::io(folder, "create"))?;
+    // Creating a folder that is there does nothing, but if it cannot be looked at, the error would be that it exists.
+    if !is_folder(folder)? {
+        fs::create_dir_all(folder).map_err(DiskError::io(folder, "create"))?;
+    }
     sync_folder(parent)
 }

@@ -210,6 +210,24 @@ fn a_removal_that_was_interrupted_can_be_repeated() {
     }
 }
 
+/// Tests that another set, whose folders are linked into a set, loses nothing when that set is removed.
+#[cfg(unix)]
+#[test]
+fn links_to_folders_of_another_set_are_removed_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, linked] = ["whole", "linked"].map(|name| folder.path().join(name));
+    make(&whole);
+    copy(&whole, &linked);
+    for part in ["data", "meta"] {
+        fs::remove_dir_all(linked.join(part)).unwrap();
+        std::os::unix::fs::symlink(whole.join(part), linked.join(part)).unwrap();
+    }
+    let before = contents(&whole);
+    make_room(&linked, true).unwrap();
+    assert_eq!(contents(&whole), before);
+    assert_eq!(fs::read_dir(&linked).unwrap().count(), 0);
+}
+
 /// Tests that a file that somebody has put into a folder of the set is not removed when the set is continued, assembled or
 /// overwritten, and that the error names it. Hidden files, which file managers leave behind, are removed.
 #[test]

@@ -172,7 +172,8 @@ pub fn make_room(dir: &Path, force: bool) -> Result<(), DiskError> {
     lock.try_lock().map_err(not_locked(dir))?;
     // From here on the set is an unfinished one, so that a removal that was interrupted can be repeated.
     let info = dir.join(names::INFO);
-    if is_there(&info)? {
+    // If `meta` is a link to a folder of another set, only the link is removed.
+    if is_there(&info)? && !dir.join("meta").is_symlink() {
         fs::rename(&info, dir.join(names::PLAN)).map_err(DiskError::io(&info, "remove"))?;
     }
     parts.into_iter().try_for_each(|name| remove_if_there(&dir.join(name)))?;
