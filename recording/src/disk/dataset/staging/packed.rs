@@ -12,7 +12,7 @@
 //! then no longer needed, so finishing a set takes little more disk space than the set itself.
 
 use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
@@ -28,7 +28,7 @@ use crate::disk::tables::episode::Episode;
 use crate::{DiskError, Frame, InputError, Recording, Result, TrackPoint};
 
 /// zstd's fastest level except for the negative ones, as in the Parquet files.
-const LEVEL: i32 = 1;
+const LEVEL: i32 = -4;
 
 /// Writes a recording, and returns the file's size and hash.
 ///
@@ -58,10 +58,9 @@ pub(crate) fn read_reach(path: &Path) -> Result<Recording> {
 /// A value in postcard's format, compressed by zstd, with zstd's checksum.
 fn packed(value: &impl Serialize) -> io::Result<Vec<u8>> {
     let plain = postcard::to_allocvec(value).map_err(io::Error::other)?;
-    let mut compressor = zstd::Encoder::new(Vec::new(), LEVEL)?;
+    let mut compressor = zstd::bulk::Compressor::new(LEVEL)?;
     compressor.include_checksum(true)?;
-    compressor.write_all(&plain)?;
-    compressor.finish()
+    compressor.compress(&plain)
 }
 
 /// The value that [`packed`] was given; an error if the bytes are damaged.

@@ -75,32 +75,40 @@ impl ColumnStatistics {
         }
     }
 
-    /// Statistics of some rows.
+    /// Statistics of some rows. Most taxels are 0 in most rows, and a taxel that is 0 in all of them takes hardly any time.
     fn of<T: Copy>(width: usize, values: &[T], number: impl Fn(T) -> f64) -> Self {
         let mut found = ColumnStatistics { count: (values.len() / width) as u64, ..Self::new(width) };
-        let rows = || values.chunks_exact(width).map(|row| row.iter().map(|value| number(*value)));
-        // Sorting them element by element is several times as fast as sorting all.
-        let mut bins = vec![Vec::new(); width];
-        for row in rows() {
-            let figures = found.min.iter_mut().zip(&mut found.max).zip(&mut found.mean).zip(&mut bins);
-            for ((((min, max), sum), bins), number) in figures.zip(row) {
-                *min = min.min(number);
-                *max = max.max(number);
-                *sum += number;
-                if number != 0.0 {
-                    bins.push(bin(number));
+        let mut others: Vec<Vec<f64>> = vec![Vec::new(); width];
+        for row in values.chunks_exact(width) {
+            for (others, value) in others.iter_mut().zip(row) {
+                let number = number(*value);
+                // Not −0, so that its sign stays.
+                if number.to_bits() != 0 {
+                    others.push(number);
                 }
             }
         }
-        found.mean.iter_mut().for_each(|sum| *sum /= found.count as f64);
-        for row in rows() {
-            for ((squares, mean), number) in found.squares.iter_mut().zip(&found.mean).zip(row) {
-                *squares += (number - mean) * (number - mean);
+        for (element, others) in others.iter().enumerate() {
+            let zeros = found.count - others.len() as u64;
+            if zeros > 0 {
+                (found.min[element], found.max[element]) = (0.0, 0.0);
             }
-        }
-        for (counted, bins) in found.bins.iter_mut().zip(&mut bins) {
+            for number in others {
+                found.min[element] = found.min[element].min(*number);
+                found.max[element] = found.max[element].max(*number);
+                found.mean[element] += number;
+            }
+            found.mean[element] /= found.count as f64;
+            if others.is_empty() {
+                continue;
+            }
+            let column = values.iter().skip(element).step_by(width);
+            let differences = column.map(|value| number(*value) - found.mean[element]);
+            found.squares[element] = differences.map(|difference| difference * difference).sum();
+            let mut bins: Vec<i32> =
+                others.iter().filter(|number| **number != 0.0).map(|number| bin(*number)).collect();
             bins.sort_unstable();
-            counted.extend(bins.chunk_by(i32::eq).map(|same| (same[0], same.len() as u64)));
+            found.bins[element].extend(bins.chunk_by(i32::eq).map(|same| (same[0], same.len() as u64)));
         }
         found
     }
