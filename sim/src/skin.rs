@@ -16,7 +16,6 @@
 //! is.
 
 use glam::{DMat3, DVec2, DVec3};
-use nalgebra::Vector3;
 use parry3d::shape::Shape;
 use underbrush_recording::{Patch, Pose};
 
@@ -25,7 +24,7 @@ use crate::contact::chord::{Chords, End, Faces, View};
 use crate::friction_cone::{Carrier, solve_symmetric, within_cones};
 use crate::geometry::signed_distance_m;
 use crate::{Arm, Surface};
-use indent::{Cell, indent};
+use indent::{Spring, indent};
 
 mod indent;
 
@@ -79,11 +78,25 @@ pub struct TaxelForce {
 pub struct SpreadBuffers {
     faces: Faces,
     cells: Vec<Cell>,
-    near: Vec<Cell>,
+    /// What the cells resist.
+    springs: Vec<Spring>,
+    near: Vec<Spring>,
     /// The pressed taxels, each with the sum of its pressures, N, and the part of it that it feels.
     taxels: Vec<(usize, f64, f64)>,
     carriers: Vec<Carrier>,
     forces: Vec<TaxelForce>,
+}
+
+/// One sub-point under a contact.
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    taxel: usize,
+    /// Index of the sub-point in its patch.
+    point: usize,
+    /// Share of its pressure that its taxel feels.
+    felt_share: f64,
+    /// Its pressure times its area in the pose found, N.
+    pressure_n: f64,
 }
 
 /// Taxels are searched for this far beyond the edge of a contact, m. The layer is pressed there too if the object moves
@@ -147,11 +160,14 @@ impl SkinPatch {
         let center = contacts.iter().map(|contact| contact.position_link * load(contact)).sum::<DVec3>() / weight;
         let (across, along) = inward.any_orthonormal_pair();
         let view = View::new(shape_pose, center, [across, along, inward]);
-        let SpreadBuffers { faces, cells, near, taxels, .. } = &mut *buffers;
+        let SpreadBuffers { faces, cells, springs, near, taxels, .. } = &mut *buffers;
         let chords = Chords::new(shape, &view, faces);
-        let under = self.nearby(contacts).filter(|(_, point)| is_pressed(point.normal_link, inward, total));
         cells.clear();
-        cells.extend(under.map(|(number, point)| {
+        springs.clear();
+        for (number, point) in self.nearby(contacts) {
+            if !is_pressed(point.normal_link, inward, total) {
+                continue;
+            }
             let offset = point.position_link - center;
             let place = DVec2::new(offset.dot(across), offset.dot(along));
             // Beside the shape, the gap is the distance from it, because its edge drags the layer along.
@@ -160,21 +176,14 @@ impl SkinPatch {
                 || signed_distance_m(shape, shape_pose, point.position_link),
                 |surface_m| offset.dot(inward) - surface_m,
             );
-            Cell {
-                taxel: point.taxel,
-                point: number,
-                gap,
-                place: Vector3::new(1.0, place.x, place.y),
-                stiffness: interface.stiffness_n_per_m3 * point.area_m2,
-                share: -point.normal_link.dot(inward),
-                felt_share: point.felt_share,
-                pressure_n: 0.0,
-            }
-        }));
+            let stiffness = interface.stiffness_n_per_m3 * point.area_m2;
+            springs.push(Spring { gap, place, stiffness, share: -point.normal_link.dot(inward) });
+            cells.push(Cell { taxel: point.taxel, point: number, felt_share: point.felt_share, pressure_n: 0.0 });
+        }
         taxels.clear();
-        if let Some(pose) = indent(cells, near, &interface.layer, normal_sum.length()) {
-            for cell in cells.iter_mut() {
-                let pressure = cell.stiffness * interface.layer.pressed(cell.depth(&pose)).0;
+        if let Some(pose) = indent(springs, near, &interface.layer, normal_sum.length()) {
+            for (cell, spring) in cells.iter_mut().zip(springs) {
+                let pressure = spring.stiffness * interface.layer.pressed(spring.depth(&pose)).0;
                 cell.pressure_n = pressure;
                 match taxels.last_mut() {
                     Some((taxel, sum, felt)) if *taxel == cell.taxel => {
