@@ -4,7 +4,10 @@
 //! come near each other as long as no shape moves farther than a certain distance, its room. As soon as one has moved
 //! farther, or will do so in this step, the pairs are found anew. So no pair is missed, however fast the shapes are.
 
+use std::collections::BTreeSet;
+
 use glam::{DMat3, DVec3};
+use rapier3d::geometry::{BroadPhasePairEvent, ColliderPair};
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Pose as WorldPose;
@@ -16,15 +19,6 @@ use crate::dynamics::{Link, Tree};
 use crate::geometry::{from_parry, parry_pose};
 use crate::object::structure::CollisionGroup;
 use crate::physics::Theta;
-
-/// Tells Rapier not to compute contacts. Only its broad phase is used.
-struct NoContacts;
-
-impl PhysicsHooks for NoContacts {
-    fn filter_contact_pair(&self, _pair: &PairFilterContext) -> Option<SolverFlags> {
-        None
-    }
-}
 
 /// A shape to be added.
 pub struct Solid {
@@ -50,13 +44,45 @@ pub struct Placed {
     pub bodies: Vec<RigidBodyHandle>,
 }
 
-/// Rapier's broad phase. It is no part of a saved state: what it finds does not depend on its past.
+/// The pairs of shapes whose boxes Rapier's broad phase has found to overlap. They are no part of a saved state, because what is
+/// made of them does not depend on their past.
 #[derive(Clone, Default)]
 struct Finder {
     broad_phase: BroadPhaseBvh,
-    narrow_phase: NarrowPhase,
-    /// Whether it has been told of all shapes.
-    is_filled: bool,
+    boxed: BTreeSet<[(u32, u32); 2]>,
+    /// Shapes that the broad phase has to forget, because they were removed or because they now meet others.
+    forgotten: Vec<ColliderHandle>,
+}
+
+impl Finder {
+    /// Finds the pairs, given a box for each shape.
+    fn find(
+        &mut self,
+        bodies: &RigidBodySet,
+        colliders: &ColliderSet,
+        boxes: impl Iterator<Item = (ColliderHandle, Aabb)>,
+    ) {
+        let Finder { broad_phase, boxed, forgotten } = self;
+        let (options, mut events) = (IntegrationParameters::default(), Vec::new());
+        if !forgotten.is_empty() {
+            // First of all, as others may have got their places.
+            broad_phase.update(&options, colliders, bodies, &[], forgotten, &mut events);
+            let is_forgotten = |shape| forgotten.iter().any(|own| own.into_raw_parts() == shape);
+            boxed.retain(|pair| !pair.iter().any(|shape| is_forgotten(*shape)));
+            forgotten.clear();
+        }
+        for (collider, bounds) in boxes {
+            broad_phase.set_aabb(&options, collider, bounds);
+        }
+        broad_phase.update(&options, colliders, bodies, &[], &[], &mut events);
+        let raw = |pair: ColliderPair| [pair.collider1, pair.collider2].map(ColliderHandle::into_raw_parts);
+        for event in events {
+            match event {
+                BroadPhasePairEvent::AddPair(pair) => boxed.insert(raw(pair)),
+                BroadPhasePairEvent::DeletePair(pair) => boxed.remove(&raw(pair)),
+            };
+        }
+    }
 }
 
 /// Trees, shapes, and the pairs of shapes that are near each other.
@@ -115,7 +141,6 @@ impl Scene {
         let types = ActiveCollisionTypes::KINEMATIC_KINEMATIC | ActiveCollisionTypes::KINEMATIC_FIXED;
         for Solid { link, shape, groups, surface, part } in solids {
             let shape = shape.density(0.0).collision_groups(groups).active_collision_types(types);
-            let shape = shape.active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS);
             let collider = self.colliders.insert_with_parent(shape, bodies[link], &mut self.bodies);
             let inserted = &self.colliders[collider];
             let mut mount = Mount {
@@ -162,6 +187,7 @@ impl Scene {
         for body in placed.bodies {
             for collider in self.bodies[body].colliders() {
                 self.mounts[index(*collider)] = None;
+                self.finder.forgotten.push(*collider);
             }
             self.bodies.remove(
                 body,
@@ -220,6 +246,7 @@ impl Scene {
                     if let Some(mount) = mount.filter(|mount| tree.is_carried_by(mount.at.link, root)) {
                         collider.set_collision_groups(object_groups(CollisionGroup::Standing));
                         mount.is_root = false;
+                        self.finder.forgotten.push(handle);
                     }
                 }
                 self.is_changed = true;
@@ -284,44 +311,28 @@ impl Scene {
         }
     }
 
-    /// Moves the bodies to their links, and runs the broad phase.
+    /// Runs the broad phase. It gets boxes that overlap if two shapes may meet before one of them has left its room.
     fn update(&mut self) {
-        for placed in self.placed.iter().flatten() {
-            for (link, body) in placed.bodies.iter().enumerate().filter(|(link, _)| placed.tree.moves(*link)) {
-                self.bodies[*body].set_position(parry_pose(&placed.tree.links()[link].pose_world), false);
-            }
-        }
-        let mut most_m = 0.0_f64;
         for (handle, collider) in self.colliders.iter() {
             if let Some(mount) = &mut self.mounts[index(handle)] {
                 (mount.found_center, mount.found_axes) = (mount.center(), mount.axes_world);
                 mount.found_way_m = mount.way_m;
-                most_m = most_m.max(excess_m(mount.way_m));
                 mount.found_extent = extent(collider.shape(), mount);
             }
         }
-        let Finder { broad_phase, narrow_phase, is_filled } = &mut self.finder;
-        if !std::mem::replace(is_filled, true) {
-            for (_, collider) in self.colliders.iter_mut() {
-                collider.set_position(*collider.position());
-            }
-        }
-        // The distance counts once for a pair.
-        CollisionPipeline::new().step(
-            2.0 * (ROOM_M + most_m) + NEAR_M,
-            &mut IslandManager::new(),
-            broad_phase,
-            narrow_phase,
-            &mut self.bodies,
-            &mut self.colliders,
-            &NoContacts,
-            &(),
-        );
-        let boxed = self.finder.narrow_phase.contact_pairs().map(|pair| [pair.collider1, pair.collider2]);
+        let boxes = self.colliders.iter().filter_map(|(handle, _)| {
+            let mount = self.mounts[index(handle)].as_ref()?;
+            let [low, high] = mount.found_extent;
+            let margin_m = ROOM_M + 0.5 * NEAR_M + excess_m(mount.found_way_m);
+            Some((handle, Aabb::new(low - margin_m, high + margin_m)))
+        });
+        self.finder.find(&self.bodies, &self.colliders, boxes);
+        let handles =
+            |pair: &[(u32, u32); 2]| pair.map(|(index, generation)| ColliderHandle::from_raw_parts(index, generation));
         let mut pairs = std::mem::take(&mut self.pairs);
         pairs.clear();
-        pairs.extend(boxed.filter(|pair| self.may_meet(pair)));
-        pairs.sort_unstable_by_key(|pair| pair.map(ColliderHandle::into_raw_parts));
+        // In the order of the set.
+        pairs.extend(self.finder.boxed.iter().map(handles).filter(|pair| self.may_meet(pair)));
         self.pairs = pairs;
         self.is_changed = false;
     }
