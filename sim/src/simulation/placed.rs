@@ -1,6 +1,7 @@
 //! The Rapier scene: bodies, shapes, collision groups and the broad phase. Each body is a link of a joint tree.
 //!
-//! The bodies are fixed or kinematic: [`crate::dynamics`] moves the trees. The scene finds the pairs of shapes that may
+//! The bodies are fixed or kinematic. [`crate::dynamics`] moves the trees, which have the poses: only the boxes of the shapes are told to
+//! the broad phase. The scene finds the pairs of shapes that may
 //! come near each other as long as no shape moves farther than a certain distance, its room. As soon as one has moved
 //! farther, or will do so in this step, the pairs are found anew. So no pair is missed, however fast the shapes are.
 
