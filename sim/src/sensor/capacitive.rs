@@ -77,7 +77,7 @@ impl Capacitive {
             for (crept, advance) in crept.iter_mut().zip(self.creep_advance) {
                 *crept += (felt - *crept) * advance;
             }
-            reading_n[*taxel] = felt + self.creep_share * crept.iter().sum::<f64>() + reading_n[*taxel];
+            reading_n[*taxel] += felt + self.creep_share * crept.iter().sum::<f64>();
         }
         self.noise.add(reading_n, random);
         for reading in reading_n.iter_mut().filter(|reading| **reading != 0.0) {
