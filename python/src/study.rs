@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use underbrush_experiments::benchmark::{EnteredController, Entry, TestSet, set_folder};
-use underbrush_experiments::suite::Checked;
+use underbrush_experiments::suite::{Checked, Suite};
 use underbrush_experiments::{Experiment, VerdictControl, inspection};
 use underbrush_recording::disk::check_free;
 use underbrush_recording::stop;
@@ -39,7 +39,7 @@ pub fn check<'py>(
         check_free(&file, force)?;
     }
     let run = |reported: &Reported| {
-        let checked = Checked::of(&suites, seed, bless, reported)?;
+        let checked = Checked::of(Suite::load_all(&suites)?, seed, bless, reported)?;
         if let Some(folder) = &out {
             suite_text::write(folder, &checked)?;
         }

@@ -35,7 +35,7 @@ def test_check_estimator(estimator: object) -> None:
     assert sum(found["status"] == "passed" for found in results) > 40
 
 
-@pytest.mark.parametrize("name", ["hmm", "naive-bayes", "peak-force", "logistic", "logistic-taxel", "trees", "echo-state-network", "nearest-neighbours"])
+@pytest.mark.parametrize("name", [name for name, _ in ub.classifiers()])
 def test_scores_are_those_of_the_model(name: str, trials: ub.Trials) -> None:
     """Tests that an estimator fitted to trials, to sequences and to padded rows gives the scores of the model, bit for
     bit. The times of sequences begin at 0, which changes statistics over time in their last bits."""

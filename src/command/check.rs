@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use underbrush_experiments::suite::Checked;
+use underbrush_experiments::suite::{Checked, Suite};
 use underbrush_report::suite_text;
 
 use super::overwrite::check_results_folder;
@@ -51,10 +51,11 @@ pub struct CheckOptions {
 /// Runs the suites and prints what they find.
 pub fn run(options: CheckOptions, json: bool) -> Result<(), Failure> {
     options.out.as_deref().map_or(Ok(()), check_results_folder)?;
+    let suites = Suite::load_all(&options.suites)?;
     for file in options.out.iter().flat_map(|folder| suite_text::FILES.map(|name| folder.join(name))) {
         options.overwrite.file(&file, &options.suites)?;
     }
-    let checked = Checked::of(&options.suites, options.seed, options.bless, &Shown)?;
+    let checked = Checked::of(suites, options.seed, options.bless, &Shown)?;
     if let Some(folder) = &options.out {
         suite_text::write(folder, &checked)?;
     }

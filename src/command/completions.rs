@@ -6,7 +6,8 @@ use clap::{ArgGroup, Args, Command, CommandFactory};
 use clap_complete::Shell;
 use clap_mangen::Man;
 use serde_json::json;
-use underbrush_recording::disk::DiskError;
+use underbrush_recording::InputError;
+use underbrush_recording::disk::{DiskError, is_folder, is_there};
 
 use crate::{Cli, Failure, output};
 
@@ -35,6 +36,9 @@ pub fn run(options: CompletionsOptions, json: bool) -> Result<(), Failure> {
         return output::line(String::from_utf8_lossy(&script).trim_end());
     }
     let Some(folder) = options.manual else { return Ok(()) };
+    if is_there(&folder)? && !is_folder(&folder)? {
+        return Err(InputError::new(folder, "--manual", "a file", "a folder", "choose another folder").into());
+    }
     program = program.disable_help_subcommand(true);
     program.build();
     std::fs::create_dir_all(&folder).and_then(|()| write_pages(&program, &folder)).map_err(|source| DiskError::Io {

@@ -1,16 +1,19 @@
 //! `underbrush inspect`: checks a file or folder and shows what it contains.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Value, json};
 use underbrush_experiments::inspection;
 use underbrush_experiments::torque_balance::{TorqueBalance, torque_balance};
+use underbrush_recording::{Fault, InputError, TEXT_BYTES, read_text};
 use underbrush_report::drawing::Rows;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::audit::exceeds;
+use underbrush_sim::materials::CONSTANTS;
 
+use super::schema::Kind;
 use super::{Overwrite, picture};
 use crate::{Failure, output};
 
@@ -55,7 +58,8 @@ pub struct InspectOptions {
 
 /// Checks the file or folder and prints what it contains.
 pub fn run(options: InspectOptions, json: bool) -> Result<(), Failure> {
-    let mut found = inspection::inspect(&options.path, options.seed.unwrap_or(0))?;
+    let inspected = inspection::inspect(&options.path, options.seed.unwrap_or(0));
+    let mut found = inspected.map_err(|fault| of_another_kind(&options.path).map_or(fault, Fault::from))?;
     // Each option is for what has this key.
     let of_kind = [
         (options.seed.is_some(), "goals_with_a_way", "--seed is for scenes"),
@@ -78,6 +82,29 @@ pub fn run(options: InspectOptions, json: bool) -> Result<(), Failure> {
     }
     output::result(json, &found, || text(&found, 0))?;
     passed.map_or(Ok(()), |complaint| Err(Failure::run(complaint).about(&options.path)))
+}
+
+/// The error about a TOML file that is read by another command: all its top-level keys are those of another kind.
+fn of_another_kind(path: &Path) -> Option<InputError> {
+    let file: toml::Table = read_text(path, &TEXT_BYTES, "", "").ok()?.parse().ok()?;
+    let is_of = |kind: Kind| {
+        let schema: Value = kind.schema().into();
+        file.keys().all(|key| schema["properties"].get(key).is_some())
+    };
+    if is_of(Kind::Scene) {
+        return None;
+    }
+    let has_constants = file.keys().all(|key| CONSTANTS.iter().any(|(name, _)| name == key));
+    let kinds = [
+        (is_of(Kind::Suite), "a suite", "run it with `underbrush check`"),
+        (is_of(Kind::Experiment), "an experiment", "run it with `underbrush reproduce --experiment`"),
+        (is_of(Kind::Skin), "a skin", "inspect the arm that names it"),
+        (is_of(Kind::Mapping), "a mapping", "give it to `underbrush import --mapping`"),
+        (has_constants, "a file of materials", "give it to `underbrush generate --materials`"),
+    ];
+    let (_, kind, remedy) = kinds.into_iter().find(|(is_it, ..)| *is_it)?;
+    let found = format!("what seems to be {kind}");
+    Some(InputError::new(path, "input", found, "a scene or an arm, if it is a TOML file", remedy))
 }
 
 /// The scenes in which torques and contacts do not explain the motion, if there are any.

@@ -1,6 +1,8 @@
 //! `underbrush schema`: the JSON Schema of a file that a person edits or another program writes.
 
 use clap::{Args, ValueEnum};
+use serde::Serialize;
+use serde_json::Value;
 
 use crate::{Failure, output};
 
@@ -14,7 +16,7 @@ pub struct SchemaOptions {
 
 /// The kinds of file that have a schema.
 #[derive(Clone, Copy, ValueEnum)]
-enum Kind {
+pub enum Kind {
     /// Scene: what stands in front of the arm, and how it is sensed
     Scene,
     /// Arm: the properties of an arm that its URDF cannot express
@@ -33,17 +35,24 @@ enum Kind {
     Touch,
 }
 
+impl Kind {
+    /// The schema.
+    pub fn schema(self) -> impl Serialize + Into<Value> {
+        match self {
+            Kind::Scene => underbrush_sim::scene::schema(),
+            Kind::Arm => underbrush_sim::arm::schema(),
+            Kind::Skin => underbrush_sim::arm::skin_schema(),
+            Kind::Experiment => underbrush_experiments::definition::schema(),
+            Kind::Suite => underbrush_experiments::suite::schema(),
+            Kind::Mapping => underbrush_exchange::import::mapping_schema(),
+            Kind::Model => underbrush_classifier::model_schema(),
+            Kind::Touch => underbrush_classifier::touch::TouchModel::schema(),
+        }
+    }
+}
+
 /// Prints the schema.
 pub fn run(options: SchemaOptions, _json: bool) -> Result<(), Failure> {
-    let schema = match options.file {
-        Kind::Scene => underbrush_sim::scene::schema(),
-        Kind::Arm => underbrush_sim::arm::schema(),
-        Kind::Skin => underbrush_sim::arm::skin_schema(),
-        Kind::Experiment => underbrush_experiments::definition::schema(),
-        Kind::Suite => underbrush_experiments::suite::schema(),
-        Kind::Mapping => underbrush_exchange::import::mapping_schema(),
-        Kind::Model => underbrush_classifier::model_schema(),
-        Kind::Touch => underbrush_classifier::touch::TouchModel::schema(),
-    };
-    output::line(&serde_json::to_string_pretty(&schema).map_err(|error| Failure::run(error.to_string()))?)
+    let text = serde_json::to_string_pretty(&options.file.schema());
+    output::line(&text.map_err(|error| Failure::run(error.to_string()))?)
 }

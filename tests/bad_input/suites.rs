@@ -170,3 +170,15 @@ fn missing_files() {
     underbrush!["check"].refused(&["SUITE"]);
     underbrush!["check", &file, "--bless", "--seed", "3"].refused(&["--bless", "--seed"]);
 }
+
+/// Tests that a suite that is given twice is refused as such, before the folder for results is made.
+#[test]
+fn a_suite_twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, again, out] = ["suite.toml", "./suite.toml", "results"].map(|name| folder.path().join(name));
+    std::fs::write(&file, SUITE).unwrap();
+    scenes::write(folder.path(), "trunks.toml", scenes::FEW_TRUNKS);
+    let twice = underbrush!["check", &file, &again, "--out", &out];
+    twice.refused(&["suite.toml is given twice", "give each suite once"]);
+    assert!(!out.exists());
+}

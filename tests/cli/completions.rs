@@ -41,3 +41,10 @@ fn examples_on_manual_pages_stay_whole() {
     let (_, examples) = page.split_once(".SH EXTRA\n.nh\n.ad l\n").unwrap();
     assert!(examples.contains("sensed_force_n"), "{examples}");
 }
+
+/// Tests that a file in place of the folder for manual pages is bad input.
+#[test]
+fn manual_pages_need_a_folder() {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    underbrush!["completions", "--manual", file.path()].refused(&["--manual: found a file", "allowed: a folder"]);
+}

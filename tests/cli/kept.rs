@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use underbrush_classifier::registry::CLASSIFIERS;
 use underbrush_recording::disk::{Dataset, read_recording};
 
 use crate::support::fixture::fixture;
@@ -31,14 +32,15 @@ fn sets_and_recordings_of_all_versions_are_read() {
     }
 }
 
-/// Tests that the models of every version are used without a warning, and judge contacts of today.
+/// Tests that the models of every version are used without a warning and judge contacts of today, and that there is one of
+/// each kind of classifier.
 #[test]
 fn models_of_all_versions_are_used() {
     let mut kinds = BTreeSet::new();
     for version in versions() {
         let entries = fs::read_dir(version).unwrap().map(|entry| entry.unwrap().path());
         for model in entries.filter(|path| path.extension().is_some_and(|ending| ending == "json")) {
-            kinds.insert(model.file_stem().unwrap().to_owned());
+            kinds.insert(model.file_stem().unwrap().to_str().unwrap().to_owned());
             let call = if model.ends_with("touch.json") {
                 underbrush!["evaluate", fixture().dataset(), "--model", &model, "--json"]
             } else {
@@ -49,5 +51,6 @@ fn models_of_all_versions_are_used() {
             assert!(judged, "{}: {}", model.display(), call.stdout);
         }
     }
-    assert_eq!(kinds.len(), 7, "{kinds:?}");
+    let all: BTreeSet<_> = CLASSIFIERS.iter().map(|kind| kind.name.to_owned()).chain(["touch".into()]).collect();
+    assert_eq!(kinds, all);
 }

@@ -1,7 +1,6 @@
 //! Runs several suites, and writes bounds from what the runs found.
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Serialize;
 use underbrush_recording::{Fault, InputError, disk, math};
@@ -23,37 +22,31 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// Runs the suites in these files, with `seed` instead of each file's seed if it is given. With `bless`, bounds
+    /// Runs the suites of these files, with `seed` instead of each file's seed if it is given. With `bless`, bounds
     /// computed from the results are written into the files, and the results are checked against them.
     ///
     /// # Errors
-    /// As [`Suite::load`] and [`Suite::run`]; if two files have the same name; with `bless` also if a bound is not written
-    /// in braces, a metric cannot be bounded, or a file cannot be written.
-    pub fn of(paths: &[PathBuf], seed: Option<u64>, bless: bool, progress: &dyn Progress) -> Result<Self, Fault> {
-        // All files are read before anything is run, so that a mistake in the last one costs no time.
-        let mut suites = paths.iter().map(|path| Suite::load(path)).collect::<Result<Vec<_>, _>>()?;
-        let mut names = BTreeMap::new();
-        for (suite, path) in suites.iter().zip(paths) {
-            if let Some(other) = names.insert(&suite.name, path) {
-                let [other, path] = [other, path].map(|path| path.display());
-                let text =
-                    format!("{other} and {path} have the same name, by which results are told apart; rename one");
-                return Err(Fault::Usage(text));
-            }
-        }
+    /// As [`Suite::run`]; with `bless` also if a bound is not written in braces, a metric cannot be bounded, or a file
+    /// cannot be written.
+    pub fn of(
+        mut suites: Vec<(Suite, &Path)>,
+        seed: Option<u64>,
+        bless: bool,
+        progress: &dyn Progress,
+    ) -> Result<Self, Fault> {
         if bless {
-            for (suite, path) in suites.iter().zip(paths) {
+            for (suite, path) in &suites {
                 check_places(suite, path)?;
             }
         }
         if let Some(seed) = seed {
-            suites.iter_mut().for_each(|suite| suite.set_seed(seed));
+            suites.iter_mut().for_each(|(suite, _)| suite.set_seed(seed));
         }
         let (mut results, mut texts) = (Vec::new(), Vec::new());
-        for (suite, path) in suites.iter().zip(paths) {
+        for (suite, path) in &suites {
             let mut result = suite.run(progress)?;
             if bless {
-                texts.push((suite, path.as_path(), blessed(suite, &mut result, path, progress)?));
+                texts.push((suite, *path, blessed(suite, &mut result, path, progress)?));
             }
             results.push(result);
         }

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeSet;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use underbrush_classifier::any_model::OnlineModel;
 use underbrush_recording::{Category, Fault, InputError};
@@ -90,6 +90,28 @@ impl Suite {
     /// When a file cannot be read, is not TOML, has unknown keys or a value that is not allowed.
     pub fn load(path: &Path) -> Result<Self, Fault> {
         Self::parse(path, files::read(path, "suite")?)
+    }
+
+    /// Reads and checks several files, before anything is run, so that a mistake in the last one costs no time.
+    ///
+    /// # Errors
+    /// As [`Suite::load`], and if a file is given twice or two files have the same name.
+    pub fn load_all(paths: &[PathBuf]) -> Result<Vec<(Self, &Path)>, Fault> {
+        let mut suites: Vec<(Self, &Path)> = Vec::new();
+        for path in paths.iter().map(PathBuf::as_path) {
+            let suite = Self::load(path)?;
+            if let Some((_, other)) = suites.iter().find(|(own, _)| own.name == suite.name) {
+                let is_same = std::fs::canonicalize(other).ok() == std::fs::canonicalize(path).ok();
+                let [other, path] = [*other, path].map(Path::display);
+                return Err(Fault::Usage(if is_same {
+                    format!("{path} is given twice; give each suite once")
+                } else {
+                    format!("{other} and {path} have the same name, by which results are told apart; rename one")
+                }));
+            }
+            suites.push((suite, path));
+        }
+        Ok(suites)
     }
 
     /// Checks the text of a suite file, and reads its scenes and its model.

@@ -171,8 +171,8 @@ fn bounds_without_braces_are_not_blessed() {
     ] {
         assert_ne!(text, SUITE);
         let (_folder, file) = written(&text);
-        Suite::load(&file).unwrap();
-        let Err(Fault::Input(error)) = Checked::of(std::slice::from_ref(&file), None, true, &Silent) else {
+        let suites = Suite::load_all(std::slice::from_ref(&file)).unwrap();
+        let Err(Fault::Input(error)) = Checked::of(suites, None, true, &Silent) else {
             panic!("{name} is not refused");
         };
         assert_eq!((error.line, error.field.as_str()), (Some(line), name), "{error}");
