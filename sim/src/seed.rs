@@ -58,7 +58,7 @@ impl Bound {
         Bound { least_square: math::exp(-0.5 * limit * limit.max(0.0)) * (1.0 + 1e-9) }
     }
 
-    /// Whether a draw is certainly smaller than the limit. Hardly any that is far smaller is not known to be so.
+    /// Whether a draw is certainly smaller than the limit. It is found of nearly all that are far smaller.
     pub fn holds(self, draw: Normal) -> bool {
         draw.square > self.least_square
     }

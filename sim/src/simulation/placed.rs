@@ -66,7 +66,7 @@ impl Finder {
         let Finder { broad_phase, boxed, forgotten } = self;
         let (options, mut events) = (IntegrationParameters::default(), Vec::new());
         if !forgotten.is_empty() {
-            // First of all, as others may have got their places.
+            // This comes first, because new shapes may have their indices.
             broad_phase.update(&options, colliders, bodies, &[], forgotten, &mut events);
             let is_forgotten = |shape| forgotten.iter().any(|own| own.into_raw_parts() == shape);
             boxed.retain(|pair| !pair.iter().any(|shape| is_forgotten(*shape)));
@@ -332,7 +332,7 @@ impl Scene {
             |pair: &[(u32, u32); 2]| pair.map(|(index, generation)| ColliderHandle::from_raw_parts(index, generation));
         let mut pairs = std::mem::take(&mut self.pairs);
         pairs.clear();
-        // In the order of the set.
+        // The set is sorted.
         pairs.extend(self.finder.boxed.iter().map(handles).filter(|pair| self.may_meet(pair)));
         self.pairs = pairs;
         self.is_changed = false;

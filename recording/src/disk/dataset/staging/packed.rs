@@ -55,9 +55,12 @@ pub(crate) fn read_reach(path: &Path) -> Result<Recording> {
     Ok(recording)
 }
 
-/// A value in postcard's format, compressed by zstd, with zstd's checksum.
-fn packed(value: &impl Serialize) -> io::Result<Vec<u8>> {
-    let plain = postcard::to_allocvec(value).map_err(io::Error::other)?;
+/// More than most frames take before they are compressed.
+const BYTES_PER_FRAME: usize = 4096;
+
+/// A value in postcard's format, compressed by zstd, with zstd's checksum. Memory for about this many bytes is taken at once.
+fn packed(value: &impl Serialize, bytes: usize) -> io::Result<Vec<u8>> {
+    let plain = postcard::to_extend(value, Vec::with_capacity(bytes)).map_err(io::Error::other)?;
     let mut compressor = zstd::bulk::Compressor::new(LEVEL)?;
     compressor.include_checksum(true)?;
     compressor.compress(&plain)
@@ -71,7 +74,7 @@ fn unpacked<T: DeserializeOwned>(bytes: &[u8]) -> io::Result<T> {
 fn encode(recording: &Recording) -> io::Result<Vec<u8>> {
     let header = serde_json::to_vec(recording)?;
     let tracks: Vec<&[TrackPoint]> = recording.bodies.iter().map(|body| body.track.as_slice()).collect();
-    packed(&(header, &recording.frames, tracks))
+    packed(&(header, &recording.frames, tracks), BYTES_PER_FRAME * recording.frames.len())
 }
 
 fn decode(bytes: &[u8]) -> io::Result<Recording> {
@@ -127,7 +130,7 @@ impl Assembled {
         self.checksums.add_files(dir, files.close()?)?;
         self.files = files.begun;
         let path = dir.join(names::ASSEMBLED);
-        write_bytes(&path, &packed(self).map_err(DiskError::io(&path, "write"))?)
+        write_bytes(&path, &packed(self, 0).map_err(DiskError::io(&path, "write"))?)
     }
 }
 
@@ -161,7 +164,7 @@ mod tests {
         let path = folder.path().join(names::ASSEMBLED);
         let episodes = recordings().iter().map(Episode::of).collect();
         let stored = Assembled { files: 2, episodes, total_frames: 300, ..Assembled::default() };
-        let bytes = packed(&stored).unwrap();
+        let bytes = packed(&stored, 0).unwrap();
         let read = |bytes: &[u8]| {
             fs::write(&path, bytes).unwrap();
             Assembled::read(folder.path()).unwrap()
