@@ -17,7 +17,7 @@
 //! weight no value, so both are left out.
 
 use glam::DVec3;
-use nalgebra::{DMatrix, DVector, RowDVector, Vector3};
+use nalgebra::{DMatrix, DVector, Dyn, MatrixView, U1, Vector3};
 
 use super::quadratic_program::{QuadraticProgram, Unsolved};
 use super::{ControlStatus, Controller, ControllerInput, ControllerOutput, Intent, Preset, TaxelContact};
@@ -93,11 +93,16 @@ impl ModelPredictive {
             add(preset.force_weight / over.len() as f64, &forces.select_rows(&over), &reduction);
         }
 
-        let (mut rows, mut bounds) = (Vec::new(), Vec::new());
+        let count = 2 * (contacts.len() + 2 * joints);
+        let (mut constraints, mut bounds) = (DMatrix::zeros(count, joints), DVector::zeros(count));
+        let mut at = 0;
         // Keeps min ≤ row x ≤ max.
-        let mut keep = |row: RowDVector<f64>, min: f64, max: f64| {
-            rows.extend([-&row, row]);
-            bounds.extend([-max, min]);
+        let mut keep = |row: MatrixView<f64, U1, Dyn, U1, Dyn>, min: f64, max: f64| {
+            for (column, entry) in row.iter().enumerate() {
+                (constraints[(at, column)], constraints[(at + 1, column)]) = (-entry, *entry);
+            }
+            (bounds[at], bounds[at + 1]) = (-max, min);
+            at += 2;
         };
         for (contact, row) in contacts.iter().zip(forces.row_iter()) {
             // A force below the limit may rise up to the limit, but no faster than the parameters allow.
@@ -107,26 +112,24 @@ impl ModelPredictive {
                 preset.force_rise_n.min(limit_n(contact) - contact.force_n)
             };
             // The publication bounds the fall of forces over the limit; here the same bound holds for all.
-            keep(row.into_owned(), -preset.force_fall_n, max_change);
+            keep(row, -preset.force_fall_n, max_change);
         }
         for (index, (joint, row)) in self.joints.iter().zip(response.row_iter()).enumerate() {
             let angle = input.joint_angle_rad[index];
             let [low, high] = joint.controller_limits_rad;
-            keep(row.into_owned(), (low - angle).min(0.0), (high - angle).max(0.0));
+            keep(row, (low - angle).min(0.0), (high - angle).max(0.0));
         }
         let start = self.start(input);
         let offset_limit = preset.equilibrium_offset_rad.unwrap_or(f64::INFINITY);
-        for (index, joint) in self.joints.iter().enumerate() {
+        let unit = DMatrix::identity(joints, joints);
+        for (index, (joint, row)) in self.joints.iter().zip(unit.row_iter()).enumerate() {
             let offset = start[index] - input.joint_angle_rad[index];
             let step = preset.step_rad(joint);
             let min_step = (-step).max((-offset_limit - offset).min(0.0));
             let max_step = step.min((offset_limit - offset).max(0.0));
-            let mut row = RowDVector::zeros(joints);
-            row[index] = 1.0;
             keep(row, min_step, max_step);
         }
-        let constraints = DMatrix::from_rows(&rows);
-        Some(QuadraticProgram { hessian, gradient, constraints, bounds: DVector::from_vec(bounds) })
+        Some(QuadraticProgram { hessian, gradient, constraints, bounds })
     }
 }
 
