@@ -8,6 +8,7 @@ import json
 import os
 import signal
 import sys
+import traceback
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import zip_longest
@@ -28,7 +29,12 @@ def whole(path: Path, force: bool, source: str | os.PathLike[str] | None = None)
     _core._check_free(path, force)
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    descriptor = os.open(temporary, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
+    try:
+        descriptor = os.open(temporary, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
+    except KeyboardInterrupt:
+        # It may come as soon as the file is there.
+        temporary.unlink(missing_ok=True)
+        raise
     try:
         yield temporary
         os.fsync(descriptor)
@@ -93,7 +99,9 @@ def status(run: Callable[[], Mapping[str, int] | None], options: argparse.Namesp
         else:
             for things, count in found.items():
                 print(f"{count} {things} in {options.out}")
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as interrupt:
+        # If it came while a `with` began, its temporary file is removed only when nothing refers to it any more.
+        traceback.clear_frames(interrupt.__traceback__)
         # As the command line does. A script that runs this command then stops, too.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
         signal.raise_signal(signal.SIGINT)

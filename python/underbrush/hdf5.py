@@ -92,21 +92,25 @@ def export(
     h5py = _h5py()
     scenes: list[str] = []
     frames = 0
-    with _export.whole(Path(path), force) as temporary:
-        disk = _Disk(temporary, "r+")
-        # Ctrl-C is raised in the main thread only, so it does not make HDF5 fail in this one.
-        with io.BufferedRandom(disk) as buffer, ThreadPoolExecutor(1) as writer:
-            file = h5py.File(buffer, "w")
-            try:
-                for number, reach in enumerate(_export.each(reaches)):
-                    writer.submit(_add, file, number, reach).result()
-                    disk.check()
-                    scenes.append(reach.scene)
-                    frames += len(reach)
-                writer.submit(_describe, file, scenes, frames).result()
-            finally:
-                writer.submit(file.close).result()
-        disk.check()
+    files: list[Any] = []
+    # Ctrl-C is raised in the main thread only, so it does not make HDF5 fail in this one.
+    with ThreadPoolExecutor(1) as writer:
+        # The thread must run before there is anything to close.
+        writer.submit(int).result()
+        with _export.whole(Path(path), force) as temporary:
+            disk = _Disk(temporary, "r+")
+            with io.BufferedRandom(disk) as buffer:
+                try:
+                    writer.submit(lambda: files.append(h5py.File(buffer, "w"))).result()
+                    for number, reach in enumerate(_export.each(reaches)):
+                        writer.submit(_add, files[0], number, reach).result()
+                        disk.check()
+                        scenes.append(reach.scene)
+                        frames += len(reach)
+                    writer.submit(_describe, files[0], scenes, frames).result()
+                finally:
+                    writer.submit(lambda: [file.close() for file in files]).result()
+            disk.check()
 
 
 class _Disk(io.FileIO):

@@ -245,15 +245,19 @@ def _goal(nanoseconds: int, position: NDArray[np.float64]) -> dict[str, Any]:
     return entity
 
 
+def _mcap() -> Any:
+    try:
+        import mcap.writer
+    except ImportError as error:
+        raise ImportError("underbrush.mcap needs mcap: pip install 'underbrush[mcap]'") from error
+    return mcap.writer
+
+
 class _Writer:
     """Writes the messages of a reach."""
 
     def __init__(self, file: Any, reach: _core.Reach) -> None:
-        try:
-            from mcap.writer import CompressionType, Writer
-        except ImportError as error:
-            raise ImportError("underbrush.mcap needs mcap: pip install 'underbrush[mcap]'") from error
-        self.writer: Any = Writer(file, chunk_size=_CHUNK_BYTES, compression=CompressionType.ZSTD)
+        self.writer: Any = _mcap().Writer(file, chunk_size=_CHUNK_BYTES, compression=_mcap().CompressionType.ZSTD)
         self.reach = reach
         self.channels: dict[str, int] = {}
         self.schemas: dict[str, int] = {}
@@ -420,6 +424,8 @@ def export(
         for number, reach in enumerate(_export.each(reaches)):
             export(reach, path / f"reach-{number:06}.mcap")
         return
+    # Python may lose a Ctrl-C that comes while it imports a module.
+    _mcap()
     with _export.whole(path, force) as temporary, open(temporary, "wb") as file:
         _Writer(file, reaches).run()
 

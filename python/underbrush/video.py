@@ -131,6 +131,8 @@ def film(
     rate_hz = 1 / float(reach.time_s[1] - reach.time_s[0]) if len(reach) > 1 else 1.0
     step = speed * rate_hz / fps
     numbers = [round(index * step) for index in range(int((len(reach) - 1) / step) + 1)]
+    # Python may lose a Ctrl-C that comes while it imports a module.
+    _av()
     with _export.whole(path, force) as temporary:
         _encode(temporary, kind, _pictures(reach, numbers, size, camera, arrows=arrows), fps, size)
     return len(numbers)
