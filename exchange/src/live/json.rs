@@ -1,4 +1,4 @@
-//! Reads JSON key by key, so that an error can name the field and quote its value.
+//! A line as JSON, and errors that name a field and quote its value.
 
 use std::fmt;
 
@@ -22,14 +22,16 @@ impl LineError {
     pub(super) fn new(field: impl Into<String>, found: impl Into<String>, allowed: impl Into<String>) -> Self {
         LineError { field: field.into(), found: found.into(), allowed: allowed.into() }
     }
+
+    /// The error for a value, which is null if it is missing.
+    pub(super) fn at(field: impl Into<String>, value: &Value, allowed: impl Into<String>) -> Self {
+        let found = if value.is_null() { "nothing".to_owned() } else { shortened(&value.to_string(), MAX_QUOTED) };
+        LineError::new(field, found, allowed)
+    }
 }
 
-/// A value with its path in the line.
-#[derive(Clone)]
-pub struct Spot<'a> {
-    pub path: String,
-    pub value: &'a Value,
-}
+/// Largest number of characters of a line that an error quotes.
+pub const MAX_QUOTED: usize = 60;
 
 /// A value in which no object has a key twice. With two values it would be unclear which one is meant.
 struct Unique(Value);
@@ -82,74 +84,18 @@ impl<'de> Deserialize<'de> for Unique {
     }
 }
 
-/// Largest number of characters of a line that an error quotes.
-const MAX_QUOTED: usize = 60;
-
-/// Reads a whole line as one value.
+/// Reads a whole line as one object.
 pub fn parse(text: &str) -> Result<Value, LineError> {
     let parsed: Result<Unique, serde_json::Error> = serde_json::from_str(text);
-    parsed.map(|Unique(value)| value).map_err(|error| {
-        let message = error.to_string();
-        // serde's line number is always 1; the answer gives the line's number in the stream.
-        let cause = message.rsplit_once(" at line ").map_or(&*message, |(cause, _)| cause);
-        let found = format!("{cause} at byte {} of {}", error.column(), shortened(text, MAX_QUOTED));
-        LineError::new("line", found, "one JSON object, each key once")
-    })
-}
-
-impl<'a> Spot<'a> {
-    /// The value, if it is an object.
-    pub fn object(self, allowed: &str) -> Result<Self, LineError> {
-        if self.value.is_object() { Ok(self) } else { Err(self.error(allowed)) }
-    }
-
-    /// The value of a key of an object; `None` if there is none or it is null.
-    pub fn get(&self, key: &str) -> Option<Spot<'a>> {
-        let value = self.value.get(key).filter(|value| !value.is_null())?;
-        Some(Spot { path: self.path_of(key), value })
-    }
-
-    /// The value of a required key.
-    pub fn need(&self, key: &str, allowed: &str) -> Result<Spot<'a>, LineError> {
-        self.get(key).ok_or_else(|| LineError::new(self.path_of(key), "nothing", allowed))
-    }
-
-    /// All keys of an object.
-    pub fn keys(&self) -> impl Iterator<Item = &'a String> {
-        self.value.as_object().into_iter().flat_map(Map::keys)
-    }
-
-    /// The error for a key that is not allowed.
-    pub fn unknown(&self, key: &str, allowed: String) -> LineError {
-        LineError::new(&self.path, format!("key {:?}", shortened(key, MAX_QUOTED)), allowed)
-    }
-
-    fn path_of(&self, key: &str) -> String {
-        let dot = if self.path.is_empty() { "" } else { "." };
-        format!("{}{dot}{key}", self.path)
-    }
-
-    /// The value as a list.
-    pub fn list(&self, allowed: &str) -> Result<Vec<Spot<'a>>, LineError> {
-        let values = self.value.as_array().ok_or_else(|| self.error(allowed))?;
-        let spot = |(index, value)| Spot { path: format!("{}[{index}]", self.path), value };
-        Ok(values.iter().enumerate().map(spot).collect())
-    }
-
-    /// The value as a list of `N` numbers.
-    pub fn numbers<const N: usize>(&self, allowed: &str) -> Result<[f64; N], LineError> {
-        let numbers = Vec::<f64>::deserialize(self.value).ok().and_then(|numbers| numbers.try_into().ok());
-        numbers.ok_or_else(|| self.error(allowed))
-    }
-
-    /// The value as a whole number from 0; `None` if it is something else.
-    pub fn index(&self) -> Option<usize> {
-        usize::try_from(self.value.as_u64()?).ok()
-    }
-
-    /// The error for this value.
-    pub fn error(&self, allowed: impl Into<String>) -> LineError {
-        let field = if self.path.is_empty() { "line" } else { &self.path };
-        LineError::new(field, shortened(&self.value.to_string(), MAX_QUOTED), allowed)
-    }
+    let found = match parsed {
+        Ok(Unique(line)) if line.is_object() => return Ok(line),
+        Ok(_) => shortened(text, MAX_QUOTED),
+        Err(error) => {
+            let message = error.to_string();
+            // serde's line number is always 1; the answer gives the line's number in the stream.
+            let cause = message.rsplit_once(" at line ").map_or(&*message, |(cause, _)| cause);
+            format!("{cause} at byte {} of {}", error.column(), shortened(text, MAX_QUOTED))
+        }
+    };
+    Err(LineError::new("line", found, "one JSON object, each key once"))
 }

@@ -1,10 +1,14 @@
 //! One line of the live stream: a frame of the skin, checked as far as the model uses it.
 
-use glam::DVec3;
-use underbrush_recording::limits::{Limits, POSITION_M, SENSED_FORCE_N, TIME_S};
-use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading, unit_quaternion};
+use std::collections::BTreeMap;
 
-use super::json::{self, LineError, Spot};
+use glam::DVec3;
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use underbrush_recording::limits::{Limits, POSITION_M, SENSED_FORCE_N, TIME_S};
+use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading, shortened, unit_quaternion};
+
+use super::json::{self, LineError, MAX_QUOTED};
 
 /// The content of a line.
 #[derive(Debug, PartialEq)]
@@ -57,124 +61,113 @@ impl LineParser {
     /// # Errors
     /// [`LineError`] with the field, if the line is not JSON, or a field is missing or not allowed.
     pub fn parse(&mut self, number: usize, text: &str) -> Result<Message, LineError> {
-        let value = json::parse(text)?;
-        let line = Spot { path: String::new(), value: &value }.object("one JSON object")?;
-        if let Some(reset) = line.get("reset") {
-            if *reset.value != true || line.keys().count() > 1 {
-                return Err(reset.error("true, in a line of its own"));
+        let line = json::parse(text)?;
+        let fault = |key: &str, allowed: &str| LineError::at(key, &line[key], allowed);
+        if !line["reset"].is_null() {
+            if line != serde_json::json!({ "reset": true }) {
+                return Err(fault("reset", "true, in a line of its own"));
             }
             self.last = None;
             return Ok(Message::Reset);
         }
-        let time_s = self.time_s(&line)?;
-        let taxels = self.readings(&line)?;
+        let time_s = within(TIME_S, &line["time_s"]).map_err(|allowed| fault("time_s", &allowed))?;
+        if let Some((last_s, last_line)) = self.last
+            && time_s <= last_s
+        {
+            let allowed = format!(
+                "later than {last_s} s, the time of line {last_line}; for a new reach send {{\"reset\":true}} first"
+            );
+            return Err(fault("time_s", &allowed));
+        }
+        let sent = line["taxels"].as_array();
+        let sent = sent.ok_or_else(|| fault("taxels", "a list of readings, empty where nothing is felt"))?;
+        let taxels = self.readings(sent)?;
         let mut frame = Frame { time_s, taxels, ..Frame::blank(self.layout.patches.len()) };
         // Only the poses that the models need are read; the others are at the origin.
         for &needed in &self.poses_of {
-            frame.patch_pose_world[needed] = self.pose(&line, needed)?;
+            frame.patch_pose_world[needed] = self.pose(&line["patch_pose_world"], needed)?;
         }
         self.last = Some((time_s, number));
         Ok(Message::Frame(Box::new(frame)))
     }
 
-    fn time_s(&self, line: &Spot<'_>) -> Result<f64, LineError> {
-        let spot = line.need("time_s", "the time of the frame in seconds")?;
-        let time_s = number(&spot, TIME_S)?;
-        match self.last {
-            Some((last_s, last_line)) if time_s <= last_s => Err(spot.error(format!(
-                "later than {last_s} s, the time of line {last_line}; for a new reach send {{\"reset\":true}} first"
-            ))),
-            _ => Ok(time_s),
-        }
-    }
-
     /// The readings, sorted by patch and taxel.
-    fn readings(&self, line: &Spot<'_>) -> Result<Vec<TaxelReading>, LineError> {
-        let allowed = "a list of readings, empty where nothing is felt";
-        let list = line.need("taxels", allowed)?.list(allowed)?;
-        let mut readings = Vec::with_capacity(list.len());
-        for spot in list {
-            let reading = spot.object("an object with patch, taxel and sensed_force_n")?;
-            let patch = self.patch(&reading)?;
-            let last_taxel = self.layout.patches[patch].taxels.len().saturating_sub(1);
-            let allowed = format!("a taxel of patch {}: 0 to {last_taxel}", self.layout.patches[patch].name);
-            let taxel_spot = reading.need("taxel", &allowed)?;
-            let taxel = taxel_spot.index().filter(|taxel| *taxel <= last_taxel);
-            let place = taxel.and_then(|taxel| Some((u16::try_from(patch).ok()?, u16::try_from(taxel).ok()?)));
-            let (patch, taxel) = place.ok_or_else(|| taxel_spot.error(allowed))?;
-            let force = reading.need("sensed_force_n", "the normal force in newtons")?;
-            let sensed_force_n = number(&force, SENSED_FORCE_N)?;
-            readings.push((TaxelReading { patch, taxel, sensed_force_n, ..TaxelReading::default() }, taxel_spot));
+    fn readings(&self, sent: &[Value]) -> Result<Vec<TaxelReading>, LineError> {
+        let mut readings = BTreeMap::new();
+        for (index, reading) in sent.iter().enumerate() {
+            if !reading.is_object() {
+                let allowed = "an object with patch, taxel and sensed_force_n";
+                return Err(LineError::at(format!("taxels[{index}]"), reading, allowed));
+            }
+            let fault =
+                |key: &str, allowed: &str| LineError::at(format!("taxels[{index}].{key}"), &reading[key], allowed);
+            let patch = self.patch(&reading["patch"]).map_err(|allowed| fault("patch", &allowed))?;
+            let touched = &self.layout.patches[usize::from(patch)];
+            let count = touched.taxels.len();
+            let taxel = u16::deserialize(&reading["taxel"]).ok().filter(|taxel| usize::from(*taxel) < count);
+            let range = || format!("a taxel of patch {}: 0 to {}", touched.name, count.saturating_sub(1));
+            let taxel = taxel.ok_or_else(|| fault("taxel", &range()))?;
+            let force_n = within(SENSED_FORCE_N, &reading["sensed_force_n"]);
+            let sensed_force_n = force_n.map_err(|allowed| fault("sensed_force_n", &allowed))?;
+            let felt = TaxelReading { patch, taxel, sensed_force_n, ..TaxelReading::default() };
+            if let Some((_, first)) = readings.insert((patch, taxel), (felt, index)) {
+                return Err(fault("taxel", &format!("each taxel once; taxels[{first}].taxel names it, too")));
+            }
         }
-        let place = |(reading, _): &(TaxelReading, Spot<'_>)| (reading.patch, reading.taxel);
-        readings.sort_by_key(place);
-        if let Some([first, twice]) = readings.array_windows().find(|[first, second]| place(first) == place(second)) {
-            return Err(twice.1.error(format!("each taxel once; {} names it, too", first.1.path)));
-        }
-        Ok(readings.into_iter().map(|(reading, _)| reading).collect())
+        Ok(readings.into_values().map(|(felt, _)| felt).collect())
     }
 
-    /// The patch of a reading, by name or index. It need not be given if the skin has only one patch.
-    fn patch(&self, reading: &Spot<'_>) -> Result<usize, LineError> {
+    /// The patch with this name or index, or what is allowed. It need not be given if the skin has only one patch.
+    fn patch(&self, sent: &Value) -> Result<u16, String> {
         let patches = &self.layout.patches;
-        if patches.len() == 1 && reading.get("patch").is_none() {
-            return Ok(0);
-        }
-        let known: Vec<String> =
-            patches.iter().enumerate().map(|(index, patch)| format!("{index} or {:?}", patch.name)).collect();
-        let allowed = format!("a patch of the skin: {}", known.join(", "));
-        let spot = reading.need("patch", &allowed)?;
-        let index = match spot.value.as_str() {
-            Some(name) => self.layout.patch_index(name),
-            None => spot.index(),
+        let index = match sent {
+            Value::Null if patches.len() == 1 => Some(0),
+            Value::String(name) => self.layout.patch_index(name),
+            index => usize::deserialize(index).ok().filter(|index| *index < patches.len()),
         };
-        index.filter(|index| *index < patches.len()).ok_or_else(|| spot.error(allowed))
+        index.and_then(|index| u16::try_from(index).ok()).ok_or_else(|| {
+            let known = patches.iter().enumerate().map(|(index, patch)| format!("{index} or {:?}", patch.name));
+            format!("a patch of the skin: {}", known.collect::<Vec<_>>().join(", "))
+        })
     }
 
     /// The pose of a patch.
-    fn pose(&self, line: &Spot<'_>, needed: usize) -> Result<Pose, LineError> {
-        let patches = &self.layout.patches;
-        let name = &patches[needed].name;
-        let allowed = format!(
-            "the pose of patch {name}, as this model uses motion: {{{name:?}: pose}}, or a list of {} poses in the \
-             order of the patches",
-            patches.len()
-        );
-        let spot = line.need("patch_pose_world", &allowed)?;
-        let pose = if spot.value.is_object() {
-            if let Some(unknown) = spot.keys().find(|key| self.layout.patch_index(key).is_none()) {
-                let names: Vec<&str> = patches.iter().map(|patch| patch.name.as_str()).collect();
-                return Err(spot.unknown(unknown, format!("names of patches: {}", names.join(", "))));
-            }
-            spot.need(name, &allowed)?
-        } else {
-            let list = spot.list(&allowed)?;
-            if list.len() != patches.len() {
-                return Err(spot.error(allowed));
-            }
-            list[needed].clone()
+    fn pose(&self, sent: &Value, needed: usize) -> Result<Pose, LineError> {
+        let names: Vec<&str> = self.layout.patches.iter().map(|patch| &*patch.name).collect();
+        let mut keys = sent.as_object().into_iter().flat_map(Map::keys);
+        if let Some(unknown) = keys.find(|key| !names.contains(&key.as_str())) {
+            let found = format!("key {:?}", shortened(unknown, MAX_QUOTED));
+            return Err(LineError::new("patch_pose_world", found, format!("names of patches: {}", names.join(", "))));
+        }
+        let name = names[needed];
+        let (field, pose) = match sent {
+            Value::Object(_) => (format!("patch_pose_world.{name}"), &sent[name]),
+            Value::Array(list) if list.len() == names.len() => (format!("patch_pose_world[{needed}]"), &list[needed]),
+            _ => ("patch_pose_world".to_owned(), sent),
         };
-        read_pose(pose)
+        if !pose.is_object() {
+            let allowed = format!(
+                "the pose of patch {name}, as this model uses motion: {{{name:?}: pose}}, or a list of {} poses in the \
+                 order of the patches",
+                names.len()
+            );
+            return Err(LineError::at(field, pose, allowed));
+        }
+        let fault = |key: &str, allowed: &str| LineError::at(format!("{field}.{key}"), &pose[key], allowed);
+        let position = <[f64; 3]>::deserialize(&pose["position"]).ok();
+        let position = position.filter(|position| position.iter().all(|own| POSITION_M.hold(*own)));
+        let allowed = || format!("x, y and z in metres, each from {POSITION_M}");
+        let position = position.ok_or_else(|| fault("position", &allowed()))?;
+        let orientation = <[f64; 4]>::deserialize(&pose["orientation"]).ok().and_then(unit_quaternion);
+        let allowed = "a quaternion x, y, z, w of length 1, from the patch's frame to the world's";
+        let orientation = orientation.ok_or_else(|| fault("orientation", allowed))?;
+        Ok(Pose::new(DVec3::from_array(position), orientation))
     }
 }
 
-fn read_pose(spot: Spot<'_>) -> Result<Pose, LineError> {
-    let allowed = "an object with position and orientation";
-    let pose = spot.object(allowed)?;
-    let allowed = "x, y and z in metres";
-    let position = pose.need("position", allowed)?;
-    let coordinates: [f64; 3] = position.numbers(allowed)?;
-    if !coordinates.iter().all(|value| POSITION_M.hold(*value)) {
-        return Err(position.error(format!("{allowed}, each from {POSITION_M}")));
-    }
-    let allowed = "a quaternion x, y, z, w of length 1, from the patch's frame to the world's";
-    let orientation = pose.need("orientation", allowed)?;
-    let unit = unit_quaternion(orientation.numbers(allowed)?).ok_or_else(|| orientation.error(allowed))?;
-    Ok(Pose::new(DVec3::from_array(coordinates), unit))
-}
-
-fn number(spot: &Spot<'_>, limits: Limits) -> Result<f64, LineError> {
-    spot.value.as_f64().filter(|value| limits.hold(*value)).ok_or_else(|| spot.error(format!("a number from {limits}")))
+/// A number within its limits, or what is allowed.
+fn within(limits: Limits, sent: &Value) -> Result<f64, String> {
+    sent.as_f64().filter(|number| limits.hold(*number)).ok_or_else(|| format!("a number from {limits}"))
 }
 
 #[cfg(test)]

@@ -85,7 +85,8 @@ fn every_fault_is_named() {
         ("17 taxels".into(), "line", "trailing characters at byte 4", "one JSON object"),
         (long.clone(), "line", "xxxx…", "one JSON object"),
         (r#"{"time_s":9,"time_s":8,"taxels":[]}"#.into(), "line", "key \"time_s\" more than once", "each key once"),
-        (r#"{"taxels":[]}"#.into(), "time_s", "nothing", "seconds"),
+        (r#"{"time_s":9,"taxels":[],"a":[{"b":1,"b":1}]}"#.into(), "line", "key \"b\" more than once", "each key once"),
+        (r#"{"taxels":[]}"#.into(), "time_s", "nothing", "a number from"),
         (r#"{"time_s":"9","taxels":[]}"#.into(), "time_s", "\"9\"", "a number from"),
         (r#"{"time_s":1e300,"taxels":[]}"#.into(), "time_s", "1e+300", "a number from"),
         (r#"{"time_s":1e999,"taxels":[]}"#.into(), "line", "number out of range", "one JSON object"),
@@ -95,6 +96,7 @@ fn every_fault_is_named() {
         (r#"{"time_s":9}"#.into(), "taxels", "nothing", "a list of readings"),
         (r#"{"time_s":9,"taxels":{}}"#.into(), "taxels", "{}", "a list of readings"),
         (reading("7"), "taxels[1]", "7", "an object with patch, taxel"),
+        (reading("[0,1,1]"), "taxels[1]", "[0,1,1]", "an object with patch, taxel"),
         (reading(r#"{"taxel":1,"sensed_force_n":1}"#), "taxels[1].patch", "nothing", "0 or \"sleeve\", 1 or \"tip\""),
         (reading(r#"{"patch":2,"taxel":1,"sensed_force_n":1}"#), "taxels[1].patch", "2", "0 or \"sleeve\""),
         (reading(r#"{"patch":-1,"taxel":1,"sensed_force_n":1}"#), "taxels[1].patch", "-1", "0 or \"sleeve\""),
@@ -111,9 +113,20 @@ fn every_fault_is_named() {
             "0",
             "taxels[0].taxel names it",
         ),
-        (reading(r#"{"patch":0,"taxel":1}"#), "taxels[1].sensed_force_n", "nothing", "newtons"),
-        (reading(r#"{"patch":0,"taxel":1,"sensed_force_n":null}"#), "taxels[1].sensed_force_n", "nothing", "newtons"),
+        (reading(r#"{"patch":0,"taxel":1}"#), "taxels[1].sensed_force_n", "nothing", "0 to 10000 N"),
+        (
+            reading(r#"{"patch":0,"taxel":1,"sensed_force_n":null}"#),
+            "taxels[1].sensed_force_n",
+            "nothing",
+            "0 to 10000 N",
+        ),
         (reading(r#"{"patch":0,"taxel":1,"sensed_force_n":-5}"#), "taxels[1].sensed_force_n", "-5", "a number from 0"),
+        (
+            reading(r#"{"patch":0,"taxel":1,"sensed_force_n":"1"}"#),
+            "taxels[1].sensed_force_n",
+            "\"1\"",
+            "a number from 0",
+        ),
         (
             reading(r#"{"patch":0,"taxel":1,"sensed_force_n":1e300}"#),
             "taxels[1].sensed_force_n",
@@ -122,8 +135,9 @@ fn every_fault_is_named() {
         ),
         (r#"{"time_s":9,"taxels":[]}"#.into(), "patch_pose_world", "nothing", "as this model uses motion"),
         (posed("[]"), "patch_pose_world", "[]", "a list of 2 poses"),
-        (posed("[null,null]"), "patch_pose_world[0]", "null", "position and orientation"),
+        (posed("[null,null]"), "patch_pose_world[0]", "nothing", "the pose of patch sleeve"),
         (posed("{}"), "patch_pose_world.sleeve", "nothing", "the pose of patch sleeve"),
+        (posed(r#"{"sleeve":[1,2,3]}"#), "patch_pose_world.sleeve", "[1,2,3]", "the pose of patch sleeve"),
         (posed(r#"{"elbow":{}}"#), "patch_pose_world", "key \"elbow\"", "sleeve, tip"),
         (posed(r#"{"sleeve":{"orientation":[0,0,0,1]}}"#), "patch_pose_world.sleeve.position", "nothing", "metres"),
         (pose("[1,2]", unit), "patch_pose_world.sleeve.position", "[1,2]", "x, y and z"),
@@ -132,6 +146,7 @@ fn every_fault_is_named() {
         (pose("[1,2,3]", "[0,0,0,2]"), "patch_pose_world.sleeve.orientation", "[0,0,0,2]", "of length 1"),
         (pose("[1,2,3]", "[1e200,1e200,0,0]"), "patch_pose_world.sleeve.orientation", "1e+200", "of length 1"),
         (pose("[1,2,3]", "[0,0,1]"), "patch_pose_world.sleeve.orientation", "[0,0,1]", "x, y, z, w"),
+        (r#"{"reset":1}"#.into(), "reset", "1", "true, in a line of its own"),
         (r#"{"reset":false}"#.into(), "reset", "false", "true, in a line of its own"),
         (r#"{"reset":true,"time_s":1}"#.into(), "reset", "true", "in a line of its own"),
     ];
@@ -152,6 +167,16 @@ fn every_fault_is_named() {
             assert_eq!(parser.last, Some((5.0, 1)), "a bad line leaves all as it was");
         }
     }
+}
+
+/// Tests that a patch without taxels has no taxel 0.
+#[test]
+fn an_empty_patch_has_no_taxel() {
+    let mut layout = layout();
+    layout.patches[1].taxels.clear();
+    let line = r#"{"time_s":0,"taxels":[{"patch":"tip","taxel":0,"sensed_force_n":1}]}"#;
+    let error = LineParser::new(layout, None).parse(1, line).unwrap_err();
+    assert_eq!(error.field, "taxels[0].taxel");
 }
 
 /// Tests that time may start again with a new reach.
