@@ -73,7 +73,7 @@ fn judge(model: &Arc<TouchModel>, recording: &Recording, groups: &mut BTreeMap<S
         let tracker = &classifier.patches()[0];
         let image = &tracker.image;
         let taxels = || classifier.taxels().iter().filter(|touch| touch.patch == image.patch_index());
-        let truth = |taxel: usize| image.object(taxel).filter(|_| image.is_touched(taxel));
+        let truth = |taxel: usize| image.pressing(taxel);
         let mut force_n: BTreeMap<u16, f64> = BTreeMap::new();
         for touch in taxels() {
             if let Some(object) = truth(touch.taxel) {

@@ -1,7 +1,7 @@
 //! Frame-by-frame verdicts compared with ground truth (paper, sections V-B and V-D). Several figures are based on them.
 
 use serde::Serialize;
-use underbrush_classifier::evaluate::{ChosenThresholds, Stream, StreamTruth, Tally, classify_stream};
+use underbrush_classifier::evaluate::{ChosenThresholds, Stream, StreamTruth, classify_stream};
 use underbrush_classifier::{Decision, OnlineOptions, Rule};
 use underbrush_recording::{Category, Fault, Recording};
 
@@ -43,13 +43,16 @@ pub struct Online {
 /// Fractions of the taxels with ground truth, per cent, over all frames.
 ///
 /// ```
-/// use underbrush_classifier::evaluate::Tally;
+/// use underbrush_classifier::evaluate::Stream;
 /// use underbrush_experiments::frame_verdicts::Shares;
+/// use underbrush_recording::Category;
 ///
-/// let tally = Tally { correct: 7, misclassified: 1, uncertain: 2, unknown: 5 };
-/// let shares = Shares::of(&tally).expect("ten taxels were judged");
+/// let verdicts = ["leaf", "trunk", "uncertain", "outlier"].map(String::from).into();
+/// let taxel_frames = vec![vec![7, 1, 2, 0], vec![4, 1, 0, 0]];
+/// let stream = Stream { truths: vec![Category::LEAF], verdicts, taxel_frames, ..Stream::default() };
+/// let shares = Shares::of(&stream).expect("ten taxels were judged");
 /// assert_eq!((shares.correct_percent, shares.taxel_frames, shares.without_truth), (70.0, 10, 5));
-/// assert!(Shares::of(&Tally::default()).is_none());
+/// assert!(Shares::of(&Stream::default()).is_none());
 /// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct Shares {
@@ -66,16 +69,17 @@ pub struct Shares {
 }
 
 impl Shares {
-    /// Fractions of a tally; `None` if nothing was judged.
-    pub fn of(tally: &Tally) -> Option<Self> {
-        let judged = tally.judged();
-        let percent = |count: usize| 100.0 * count as f64 / judged as f64;
-        (judged > 0).then(|| Shares {
-            correct_percent: percent(tally.correct),
-            misclassified_percent: percent(tally.misclassified),
+    /// Fractions in a whole reach; `None` if nothing was judged.
+    pub fn of(reach: &Stream) -> Option<Self> {
+        let tally = reach.total();
+        let taxel_frames = tally.total();
+        let percent = |count: usize| 100.0 * count as f64 / taxel_frames as f64;
+        (taxel_frames > 0).then(|| Shares {
+            correct_percent: percent(tally.right),
+            misclassified_percent: percent(tally.wrong),
             uncertain_percent: percent(tally.uncertain),
-            taxel_frames: judged,
-            without_truth: tally.unknown,
+            taxel_frames,
+            without_truth: reach.tally_of(None).total(),
         })
     }
 }

@@ -5,8 +5,8 @@ use serde::Serialize;
 use underbrush_recording::Trial;
 
 use super::{
-    Accuracy, AccuracyByTouch, ConfusionMatrix, EvaluateError, Evaluation, Folds, Interval, Prediction, across_folds,
-    bootstrap_by_reach,
+    Accuracy, AccuracyByTouch, ConfusionMatrix, EvaluateError, Evaluation, Folds, Interval, Prediction, Record,
+    across_folds, bootstrap_by_reach,
 };
 use crate::{Decision, Estimator, FeatureSet};
 
@@ -70,6 +70,7 @@ pub fn accuracy_by_samples(
             predictions.iter().filter(|prediction| limit.is_none_or(|limit| prediction.samples >= limit)).collect();
         let (count, categories) = (lasting.len(), &outcome.categories);
         let record = |prediction| Prediction::record(prediction, categories);
+        let is_right = |record: Record| (record.reach, record.is_right(categories));
         let all = ConfusionMatrix::of(predictions.iter().map(record), categories).accuracy();
         let lasting = ConfusionMatrix::of(lasting.into_iter().map(record), categories).accuracy();
         AccuracyBySamples {
@@ -78,7 +79,7 @@ pub fn accuracy_by_samples(
             majority_baseline: all.map_or(0.0, |all| all.majority_baseline),
             balanced_accuracy: all.and_then(|all| all.balanced_accuracy),
             by_touch: AccuracyByTouch::of(&predictions, categories),
-            interval_by_reach: bootstrap_by_reach(predictions.iter().map(record), categories),
+            interval_by_reach: bootstrap_by_reach(predictions.iter().map(record).map(is_right)),
             lasting: count,
             accuracy_of_lasting: lasting.map(|lasting| lasting.accuracy),
             majority_baseline_of_lasting: lasting.map(|lasting| lasting.majority_baseline),

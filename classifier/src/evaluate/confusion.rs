@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::interval::{Interval, wilson};
 use super::prediction::{Prediction, Record, is_right};
+use super::tally::{mean, share};
 use crate::decision::Verdict;
 
 /// Counts of true category against verdict.
@@ -141,12 +142,11 @@ impl ConfusionMatrix {
         };
         let known = self.known();
         let of_known = figures.iter().filter(|own| known.contains(&own.category) && own.trials > 0);
-        let recalls: Vec<f64> = of_known.map(|own| own.recall).collect();
         Some(Accuracy {
             trials,
             accuracy: fraction(figures.iter().map(|own| own.correct).sum()),
             majority_baseline: fraction((0..self.verdict.len()).map(always).max().unwrap_or(0)),
-            balanced_accuracy: (!recalls.is_empty()).then(|| recalls.iter().sum::<f64>() / recalls.len() as f64),
+            balanced_accuracy: mean(of_known.map(|own| own.recall)),
         })
     }
 
@@ -196,7 +196,7 @@ impl ConfusionMatrix {
                 correct,
                 recall: correct as f64 / trials as f64,
                 recall_interval: wilson(correct, trials),
-                precision: (taken > 0).then(|| correct as f64 / taken as f64),
+                precision: share(correct, taken),
                 f1: 2.0 * correct as f64 / (trials + taken) as f64,
                 uncertain: row[models],
                 outlier: row[models + 1],

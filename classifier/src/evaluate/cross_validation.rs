@@ -68,14 +68,14 @@ impl Evaluation {
         let records = || predictions.iter().map(|own| own.record(models));
         let confusion = ConfusionMatrix::of(records(), models);
         let Some(accuracy) = confusion.accuracy() else { return Err(EvaluateError::NoTruth) };
-        let correct = records().filter(|record| record.is_right(models)).count();
+        let right = || records().map(|record| (record.reach, record.is_right(models)));
         Ok(Evaluation {
             accuracy: accuracy.accuracy,
             majority_baseline: accuracy.majority_baseline,
             balanced_accuracy: accuracy.balanced_accuracy,
             by_touch: AccuracyByTouch::of(&predictions, models),
-            accuracy_interval_by_trial: wilson(correct, predictions.len()),
-            accuracy_interval_by_reach: bootstrap_by_reach(records(), models),
+            accuracy_interval_by_trial: wilson(right().filter(|(_, is_right)| *is_right).count(), predictions.len()),
+            accuracy_interval_by_reach: bootstrap_by_reach(right()),
             categories: confusion.figures(),
             confusion,
             predictions,

@@ -7,8 +7,6 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use underbrush_recording::math;
 
-use super::prediction::Record;
-
 /// A 95 % confidence interval of a fraction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
@@ -46,20 +44,17 @@ pub fn wilson(successes: usize, trials: usize) -> Interval {
     Interval { low: ((centre - half) / scale).clamp(0.0, p), high: ((centre + half) / scale).clamp(p, 1.0) }
 }
 
-/// Percentile bootstrap of the accuracy over whole reaches, the clusters within which records depend on each other.
+/// Percentile bootstrap of a share over whole reaches, the clusters within which things depend on each other. Each thing is given by
+/// its reach and whether it counts, such as whether the verdict on it is right.
 ///
 /// Each resample draws as many reaches as there are, with replacement. If all resamples are alike, for instance because all
-/// records are right, they say nothing about other reaches. The interval is then that of [`wilson`] for as many trials as there are
-/// reaches. With few reaches the interval is too narrow. `None` if a record names no reach or there are fewer than two reaches.
-/// `categories` are those of the classifier.
-pub fn bootstrap_by_reach<'a>(
-    records: impl IntoIterator<Item = Record<'a>>,
-    categories: &[String],
-) -> Option<Interval> {
+/// of them count, they say nothing about other reaches. The interval is then that of [`wilson`] for as many trials as there are
+/// reaches. With few reaches the interval is too narrow. `None` if a thing is in no reach or there are fewer than two reaches.
+pub fn bootstrap_by_reach(things: impl IntoIterator<Item = (Option<u64>, bool)>) -> Option<Interval> {
     let mut reaches: BTreeMap<u64, (usize, usize)> = BTreeMap::new();
-    for record in records {
-        let (correct, count) = reaches.entry(record.reach?).or_default();
-        *correct += usize::from(record.is_right(categories));
+    for (reach, counts) in things {
+        let (correct, count) = reaches.entry(reach?).or_default();
+        *correct += usize::from(counts);
         *count += 1;
     }
     let reaches: Vec<(usize, usize)> = reaches.into_values().collect();

@@ -11,6 +11,7 @@ mod object_figures;
 mod prediction;
 mod roc;
 mod stream;
+mod tally;
 mod threshold;
 pub mod touch;
 mod touch_contact;
@@ -28,9 +29,8 @@ pub use interval::{Interval, bootstrap_by_reach, wilson};
 pub use object_figures::{GroupingFigures, ObjectVerdicts, StiffnessFigures, UnknownFigures};
 pub use prediction::{Prediction, Record};
 pub use roc::{RocCurve, RocPoint, category_roc, outlier_roc};
-pub use stream::{
-    NOTHING, Stream, StreamContact, StreamFrame, StreamTruth, Tally, classify_stream, classify_touch_stream,
-};
+pub use stream::{NOTHING, Stream, StreamContact, StreamFrame, StreamTruth, classify_stream, classify_touch_stream};
+pub use tally::{Tally, mean, share};
 pub use threshold::{ChosenThresholds, HeldOut, ThresholdError, ThresholdTargets, choose_thresholds};
 pub use touch_figures::{ReachFigures, RightWithin, TouchFigures, TruthFigures};
 pub use touch_object::JudgedObject;

@@ -6,8 +6,7 @@ use serde::Serialize;
 use underbrush_recording::{Category, math::median};
 
 use super::touch_object::JudgedObject;
-use super::{Interval, Record, RocCurve, bootstrap_by_reach};
-use crate::decision::Verdict;
+use super::{Interval, RocCurve, Tally, bootstrap_by_reach, mean};
 use crate::touch::TouchVerdict;
 
 /// How well unknown objects are found, by the model's own decision at the end of each object. Foam blocks are left out:
@@ -113,22 +112,20 @@ impl ObjectVerdicts {
         ];
         let of_moment = |(at, of): (&'static str, VerdictAt)| {
             let known: Vec<&JudgedObject> = objects.iter().filter(|own| categories.contains(of(own)[1])).collect();
-            let is_right = |own: &JudgedObject| of(own)[0] == of(own)[1];
-            let count = |counts: &dyn Fn(&JudgedObject) -> bool| known.iter().filter(|own| counts(own)).count();
-            let share = |count: usize| count as f64 / known.len() as f64;
-            let of_category = |name: &String| {
-                let all = count(&|own| of(own)[1] == name);
-                (all > 0).then(|| count(&|own| of(own)[1] == name && is_right(own)) as f64 / all as f64)
-            };
-            let balanced: Vec<f64> = categories.iter().filter_map(of_category).collect();
-            (!known.is_empty()).then(|| ObjectVerdicts {
+            let mut tallies = vec![Tally::default(); categories.len() + 2];
+            for own in &known {
+                let [verdict, truth] = of(own).map(|name| TouchVerdict::named(name, categories));
+                tallies[truth.row(categories.len())].add(verdict, verdict == truth, 1);
+            }
+            let all = Tally::sum(tallies.iter().copied());
+            Some(ObjectVerdicts {
                 at,
-                objects: known.len(),
-                balanced_right: balanced.iter().sum::<f64>() / balanced.len() as f64,
-                right_interval: interval(&known, is_right),
-                right: share(count(&is_right)),
-                wrong: share(count(&|own| !is_right(own) && *of(own)[0] != Category::UNCERTAIN)),
-                called_unknown: share(count(&|own| is_unknown(of(own)[0]))),
+                objects: all.total(),
+                balanced_right: mean(tallies.iter().filter_map(|own| own.share(own.right)))?,
+                right_interval: interval(&known, |own| of(own)[0] == of(own)[1]),
+                right: all.share(all.right)?,
+                wrong: all.share(all.wrong)?,
+                called_unknown: all.share(all.unknown)?,
             })
         };
         moments.into_iter().filter_map(of_moment).collect()
@@ -194,14 +191,7 @@ fn is_unknown(verdict: &str) -> bool {
 
 /// The interval of the share of objects of which something holds.
 fn interval(objects: &[&JudgedObject], holds: impl Fn(&JudgedObject) -> bool) -> Option<Interval> {
-    // An object of which it holds is an outlier that is found.
-    let record = |own: &&JudgedObject| Record {
-        truth: Verdict::Outlier.name(),
-        verdict: usize::from(holds(own)),
-        scores: &[],
-        reach: Some(own.reach as u64),
-    };
-    bootstrap_by_reach(objects.iter().map(record), &[])
+    bootstrap_by_reach(objects.iter().map(|own| (Some(own.reach as u64), holds(own))))
 }
 
 #[cfg(test)]

@@ -4,7 +4,9 @@ use serde::Serialize;
 use underbrush_recording::Category;
 
 use super::prediction::is_right;
+use super::tally::{Tally, mean};
 use crate::decision::Verdict;
+use crate::touch::TouchVerdict;
 
 mod judge;
 
@@ -23,51 +25,14 @@ pub enum StreamTruth {
     Environment(Category),
 }
 
-/// Taxels in contact, counted by whether their verdict is right.
-///
-/// ```
-/// use underbrush_classifier::evaluate::Tally;
-///
-/// let tally = Tally { correct: 7, misclassified: 1, uncertain: 2, unknown: 5 };
-/// assert_eq!(tally.judged(), 10);
-/// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Tally {
-    /// The verdict is right, by the same rule as for whole trials ([`super::Record::is_right`]).
-    pub correct: usize,
-    /// The verdict is another category, outlier for something that is not one, or nothing.
-    pub misclassified: usize,
-    /// No verdict yet.
-    pub uncertain: usize,
-    /// The truth is unknown.
-    pub unknown: usize,
-}
-
-impl Tally {
-    /// Number of taxels whose truth is known.
-    pub fn judged(&self) -> usize {
-        self.correct + self.misclassified + self.uncertain
-    }
-
-    /// Counts taxels with this truth and index of a verdict, by a classifier with these categories.
-    fn count(&mut self, truth: Option<Category>, verdict: usize, categories: &[String], count: usize) {
-        match truth {
-            None => self.unknown += count,
-            _ if verdict == categories.len() => self.uncertain += count,
-            Some(truth) if is_right(truth.name(), verdict, categories) => self.correct += count,
-            Some(_) => self.misclassified += count,
-        }
-    }
-}
-
 /// One frame of a reach.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct StreamFrame {
     /// Time since the start of the reach, s.
     pub time_s: f64,
     /// Number of taxels in contact.
     pub in_contact: usize,
-    /// The taxels in contact, by whether their verdict is right.
+    /// The taxels in contact whose truth is known.
     pub tally: Tally,
     /// The taxels in contact, by verdict, in the order of [`Stream::verdicts`].
     pub by_verdict: Vec<usize>,
@@ -80,6 +45,13 @@ pub struct StreamFrame {
     pub mean_samples_since_contact: f64,
 }
 
+impl StreamFrame {
+    /// Number of taxels in contact without truth.
+    pub fn without_truth(&self) -> usize {
+        self.in_contact - self.tally.total()
+    }
+}
+
 /// One contact of a taxel with something, from the samples that were classified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StreamContact {
@@ -90,7 +62,7 @@ pub struct StreamContact {
 }
 
 /// A reach classified online.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stream {
     /// The categories that an object of the recording can have: [`Category::BUILT_IN`], then further ones that occur.
     pub truths: Vec<Category>,
@@ -115,31 +87,42 @@ impl Stream {
         &self.verdicts[..known]
     }
 
-    /// The taxels in contact with objects of this category, summed over all frames.
-    pub fn tally_of(&self, truth: Category) -> Tally {
+    /// The taxels in contact with objects of this category, or without truth, summed over all frames. Only nothing is a right
+    /// verdict without truth.
+    pub fn tally_of(&self, truth: Option<Category>) -> Tally {
         let mut tally = Tally::default();
-        let Some(row) = self.truths.iter().position(|other| *other == truth) else { return tally };
-        for (verdict, count) in self.taxel_frames[row].iter().enumerate() {
-            tally.count(Some(truth), verdict, self.categories(), *count);
+        let row = match truth {
+            Some(truth) => self.truths.iter().position(|other| *other == truth),
+            None => Some(self.truths.len()),
+        };
+        let counts = row.and_then(|row| self.taxel_frames.get(row));
+        for (verdict, count) in counts.into_iter().flatten().enumerate() {
+            self.count(&mut tally, truth, verdict, *count);
         }
         tally
     }
 
-    /// The tallies of all frames together.
+    /// All taxels in contact whose truth is known, summed over all frames.
     pub fn total(&self) -> Tally {
-        self.frames.iter().fold(Tally::default(), |sum, frame| Tally {
-            correct: sum.correct + frame.tally.correct,
-            misclassified: sum.misclassified + frame.tally.misclassified,
-            uncertain: sum.uncertain + frame.tally.uncertain,
-            unknown: sum.unknown + frame.tally.unknown,
-        })
+        Tally::sum(self.truths.iter().map(|truth| self.tally_of(Some(*truth))))
+    }
+
+    /// Counts taxels with this truth and index of a verdict, and says whether it is right, by the same rule as for whole trials
+    /// ([`super::Record::is_right`]).
+    fn count(&self, tally: &mut Tally, truth: Option<Category>, verdict: usize, count: usize) -> bool {
+        let categories = self.categories();
+        let named = TouchVerdict::named(&self.verdicts[verdict], categories);
+        let is_right = match truth {
+            Some(truth) => is_right(truth.name(), verdict, categories),
+            None => named == TouchVerdict::Nothing,
+        };
+        tally.add(named, is_right, count);
+        is_right
     }
 
     /// Mean of [`StreamFrame::mean_samples_used`] over frames with contact; `None` without any contact.
     pub fn mean_samples_used(&self) -> Option<f64> {
-        let used: Vec<f64> =
-            self.frames.iter().filter(|frame| frame.in_contact > 0).map(|frame| frame.mean_samples_used).collect();
-        (!used.is_empty()).then(|| used.iter().sum::<f64>() / used.len() as f64)
+        mean(self.frames.iter().filter(|frame| frame.in_contact > 0).map(|frame| frame.mean_samples_used))
     }
 
     /// Classifier time per 100 taxels in contact, s (Fig. 8): the total time of frames with contact over the total

@@ -312,7 +312,8 @@ fn clusters_widen_the_interval() {
         (0..20).map(|reach| ("leaf", if reach % 2 == 0 { "leaf" } else { "trunk" }, reach, 50)).collect();
     let clustered = predictions(&rows);
     let models = ["leaf".to_owned(), "trunk".to_owned()];
-    let bootstrap = |own: &[Prediction]| bootstrap_by_reach(own.iter().map(|own| own.record(&models)), &models);
+    let right = |own: &Prediction| (own.reach, own.record(&models).is_right(&models));
+    let bootstrap = |own: &[Prediction]| bootstrap_by_reach(own.iter().map(right));
     let interval = bootstrap(&clustered).unwrap();
     let half = (interval.high - interval.low) / 2.0;
     assert!((half / (1.96 * 0.1118) - 1.0).abs() < 0.15, "{interval:?}");

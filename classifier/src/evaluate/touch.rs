@@ -8,6 +8,7 @@ use underbrush_recording::Recording;
 
 use super::confusion::{Accuracy, ConfusionMatrix};
 use super::prediction::Record;
+use super::tally::Tally;
 use super::touch_contact::{JudgedContact, OpenContact};
 use super::touch_object::{JudgedObject, OpenObject};
 use crate::touch::{Followed, TaxelTouch, TouchClassifier, TouchModel, TouchVerdict};
@@ -15,49 +16,6 @@ use crate::trial::TrialError;
 
 /// Number of bins of the probability of the likeliest class.
 pub const CALIBRATION_BINS: usize = 20;
-
-/// Verdicts on the taxel frames of one truth.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct TouchTally {
-    /// The verdict is the truth.
-    pub right: usize,
-    /// The verdict is another category, unknown for a known category, or nothing for a touch.
-    pub wrong: usize,
-    /// The verdict is uncertain.
-    pub uncertain: usize,
-    /// Of the wrong verdicts: called nothing.
-    pub nothing: usize,
-    /// Of all verdicts: called unknown.
-    pub unknown: usize,
-}
-
-impl TouchTally {
-    /// All verdicts.
-    pub fn total(&self) -> usize {
-        self.right + self.wrong + self.uncertain
-    }
-
-    fn count(&mut self, touch: TouchVerdict, truth: TouchVerdict) {
-        self.nothing += usize::from(touch == TouchVerdict::Nothing && truth != TouchVerdict::Nothing);
-        self.unknown += usize::from(touch == TouchVerdict::Unknown);
-        match touch {
-            TouchVerdict::Uncertain => self.uncertain += 1,
-            touch if touch == truth => self.right += 1,
-            _ => self.wrong += 1,
-        }
-    }
-
-    /// The sum of two tallies.
-    pub fn plus(&self, other: &TouchTally) -> TouchTally {
-        TouchTally {
-            right: self.right + other.right,
-            wrong: self.wrong + other.wrong,
-            uncertain: self.uncertain + other.uncertain,
-            nothing: self.nothing + other.nothing,
-            unknown: self.unknown + other.unknown,
-        }
-    }
-}
 
 /// How often the likeliest class was true, for probabilities in one bin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -74,7 +32,7 @@ pub struct CalibrationBin {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct TouchEvaluation {
     /// Taxel frames by truth: nothing, the model's categories, then everything else.
-    pub tallies: Vec<TouchTally>,
+    pub tallies: Vec<Tally>,
     /// Contacts of taxels with known categories.
     pub contacts: Vec<JudgedContact>,
     /// Calibration over taxel frames whose truth is nothing or a known category.
@@ -84,7 +42,7 @@ pub struct TouchEvaluation {
     /// The objects that were felt well enough to be judged.
     pub objects: Vec<JudgedObject>,
     /// Taxel frames of known categories, for each reach.
-    pub reaches: Vec<TouchTally>,
+    pub reaches: Vec<Tally>,
 }
 
 impl TouchEvaluation {
@@ -94,7 +52,7 @@ impl TouchEvaluation {
     /// [`TrialError`] if the patch or a frame does not fit.
     pub fn of(model: &Arc<TouchModel>, recording: &Recording) -> Result<Self, TrialError> {
         let mut classifier = TouchClassifier::new(Arc::clone(model), &recording.layout)?;
-        let tallies = vec![TouchTally::default(); model.categories().len() + 2];
+        let tallies = vec![Tally::default(); model.categories().len() + 2];
         let mut evaluation = TouchEvaluation { tallies, ..TouchEvaluation::default() };
         // By patch and taxel.
         let mut open: BTreeMap<(usize, usize), OpenContact> = BTreeMap::new();
@@ -141,17 +99,10 @@ impl TouchEvaluation {
     ) {
         let categories = classifier.model().categories();
         let tracker = classifier.patches().iter().find(|tracker| tracker.image.patch_index() == taxel.patch);
-        let touching = tracker.and_then(|tracker| tracker.image.pressing(taxel.taxel, recording));
-        let truth = touching.map_or(TouchVerdict::Nothing, |category| {
-            let known = categories.iter().position(|own| own == category.name());
-            known.map_or(TouchVerdict::Unknown, TouchVerdict::Category)
-        });
-        let row = match truth {
-            TouchVerdict::Nothing => 0,
-            TouchVerdict::Category(index) => index + 1,
-            TouchVerdict::Uncertain | TouchVerdict::Unknown => categories.len() + 1,
-        };
-        self.tallies[row].count(taxel.touch, truth);
+        let touching = tracker.and_then(|tracker| recording.category_of(tracker.image.pressing(taxel.taxel)?));
+        let truth = touching.map_or(TouchVerdict::Nothing, |category| TouchVerdict::named(category.name(), categories));
+        let row = truth.row(categories.len());
+        self.tallies[row].add(taxel.touch, taxel.touch == truth, 1);
         let probabilities = classifier.probabilities(taxel.region);
         if truth != TouchVerdict::Unknown {
             self.calibrate(taxel.nothing, probabilities, row);
@@ -180,8 +131,8 @@ impl TouchEvaluation {
 
     /// Adds the verdicts on other recordings by a model with the same categories.
     pub fn add(&mut self, other: TouchEvaluation) {
-        self.tallies.resize(self.tallies.len().max(other.tallies.len()), TouchTally::default());
-        self.tallies.iter_mut().zip(&other.tallies).for_each(|(own, other)| *own = own.plus(other));
+        self.tallies.resize(self.tallies.len().max(other.tallies.len()), Tally::default());
+        self.tallies.iter_mut().zip(other.tallies).for_each(|(own, other)| *own = Tally::sum([*own, other]));
         self.contacts.extend(other.contacts);
         for (own, other) in self.calibration.iter_mut().zip(&other.calibration) {
             own.count += other.count;
@@ -195,9 +146,9 @@ impl TouchEvaluation {
     }
 
     /// Taxel frames of known categories.
-    pub fn known(&self) -> TouchTally {
+    pub fn known(&self) -> Tally {
         let known = self.tallies.get(1..self.tallies.len().saturating_sub(1)).unwrap_or_default();
-        known.iter().fold(TouchTally::default(), |sum, tally| sum.plus(tally))
+        Tally::sum(known.iter().copied())
     }
 
     /// How often the likeliest category of a contact is right, for a model with these categories; `None` without

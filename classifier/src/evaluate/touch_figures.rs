@@ -3,7 +3,8 @@
 use serde::Serialize;
 use underbrush_recording::math::median;
 
-use super::touch::{CalibrationBin, TouchEvaluation, TouchTally};
+use super::tally::{Tally, mean, share};
+use super::touch::{CalibrationBin, TouchEvaluation};
 use super::touch_object::JudgedObject;
 use super::{Accuracy, GroupingFigures, NOTHING, ObjectVerdicts, SAMPLE_COUNTS, StiffnessFigures, UnknownFigures};
 
@@ -63,9 +64,9 @@ pub struct TruthFigures {
 }
 
 impl TruthFigures {
-    fn of(truth: String, tally: &TouchTally) -> Self {
+    fn of(truth: String, tally: &Tally) -> Self {
         let [right, wrong, uncertain, called_unknown] =
-            [tally.right, tally.wrong, tally.uncertain, tally.unknown].map(|part| share(part, tally.total()));
+            [tally.right, tally.wrong, tally.uncertain, tally.unknown].map(|part| tally.share(part));
         TruthFigures { truth, taxel_frames: tally.total(), right, wrong, uncertain, called_unknown }
     }
 }
@@ -83,11 +84,8 @@ pub struct ReachFigures {
 }
 
 impl ReachFigures {
-    fn of(reaches: &[TouchTally]) -> Self {
-        let mean = |part: fn(&TouchTally) -> usize| {
-            let share = |own: &TouchTally| share(part(own), own.total()).unwrap_or(0.0);
-            (!reaches.is_empty()).then(|| reaches.iter().map(share).sum::<f64>() / reaches.len() as f64)
-        };
+    fn of(reaches: &[Tally]) -> Self {
+        let mean = |part: fn(&Tally) -> usize| mean(reaches.iter().map(|own| own.share(part(own)).unwrap_or(0.0)));
         ReachFigures {
             reaches: reaches.len(),
             // Taxel frames of known categories that are called another one.
@@ -121,8 +119,8 @@ impl TouchFigures {
             objects: evaluation.objects.clone(),
             truths: truths.zip(&evaluation.tallies).map(|(truth, tally)| TruthFigures::of(truth, tally)).collect(),
             by_reach: ReachFigures::of(&evaluation.reaches),
-            spurious_called_nothing: share(nothing.right, nothing.total()),
-            touches_lost: share(known.nothing, known.total()),
+            spurious_called_nothing: nothing.share(nothing.right),
+            touches_lost: known.share(known.nothing),
             contacts_at_end: evaluation.accuracy(categories, |own| own.at_end),
             contacts_after_tenth_second: evaluation.accuracy(categories, |own| own.after_tenth_second),
             first_right_verdict: first_right(&until_right, evaluation.contacts.len()),
@@ -137,10 +135,6 @@ impl TouchFigures {
 /// The name of everything that is not a category of the model.
 const OTHERS: &str = "anything else";
 
-fn share(part: usize, all: usize) -> Option<f64> {
-    (all > 0).then(|| part as f64 / all as f64)
-}
-
 /// The share of contacts with a right verdict after 1, 2, 3, … samples. `until_right` lacks the contacts that never had one.
 fn first_right(until_right: &[f64], contacts: usize) -> Vec<RightWithin> {
     let within = |samples: Option<usize>| {
@@ -153,7 +147,6 @@ fn first_right(until_right: &[f64], contacts: usize) -> Vec<RightWithin> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::touch::TouchTally;
     use super::super::touch_contact::JudgedContact;
     use super::*;
 
@@ -164,8 +157,7 @@ mod tests {
     /// Tests every figure of a small evaluation against values counted by hand.
     #[test]
     fn figures_are_those_counted_by_hand() {
-        let tally =
-            |right, wrong, uncertain, nothing, unknown| TouchTally { right, wrong, uncertain, nothing, unknown };
+        let tally = |right, wrong, uncertain, nothing, unknown| Tally { right, wrong, uncertain, nothing, unknown };
         let evaluation = TouchEvaluation {
             tallies: vec![tally(6, 2, 2, 0, 0), tally(10, 5, 5, 4, 1), tally(15, 3, 2, 2, 0), tally(0, 0, 0, 0, 0)],
             contacts: vec![

@@ -62,10 +62,12 @@ pub(super) const EARLY: f64 = 5.0;
 /// let categories = ["leaf".to_owned(), "trunk".to_owned()];
 /// let verdicts = [TouchVerdict::Category(1), TouchVerdict::Nothing];
 /// assert_eq!(verdicts.map(|verdict| verdict.name(&categories)), ["trunk", "nothing"]);
+/// assert_eq!(["trunk", "nothing"].map(|name| TouchVerdict::named(name, &categories)), verdicts);
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum TouchVerdict {
     /// Nothing: a spurious reading.
+    #[default]
     Nothing,
     /// The known category with this index.
     Category(usize),
@@ -86,6 +88,28 @@ impl TouchVerdict {
             TouchVerdict::Category(index) => &categories[*index],
             TouchVerdict::Uncertain => "uncertain",
             TouchVerdict::Unknown => "unknown",
+        }
+    }
+
+    /// The verdict of this name, for a model with these categories. Other names, such as `outlier`, stand for something
+    /// unknown.
+    pub fn named(name: &str, categories: &[impl AsRef<str>]) -> Self {
+        if let Some(index) = categories.iter().position(|own| own.as_ref() == name) {
+            return TouchVerdict::Category(index);
+        }
+        match name {
+            "nothing" => TouchVerdict::Nothing,
+            "uncertain" => TouchVerdict::Uncertain,
+            _ => TouchVerdict::Unknown,
+        }
+    }
+
+    /// Its place in a list that begins with nothing, continues with this many categories, and ends with everything else.
+    pub fn row(self, categories: usize) -> usize {
+        match self {
+            TouchVerdict::Nothing => 0,
+            TouchVerdict::Category(index) => index + 1,
+            TouchVerdict::Uncertain | TouchVerdict::Unknown => categories + 1,
         }
     }
 }

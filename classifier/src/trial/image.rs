@@ -1,7 +1,7 @@
 //! One patch in one frame, as an image of forces.
 
 use glam::DVec3;
-use underbrush_recording::{Category, Frame, Patch, Pose, Recording, SkinLayout, TaxelReading};
+use underbrush_recording::{Frame, Patch, Pose, SkinLayout, TaxelReading};
 
 use super::TrialError;
 use crate::error::ValueFault;
@@ -107,9 +107,9 @@ impl PatchImage {
         self.taxels.get(taxel).is_some_and(|own| own.true_normal_force_n > 0.0)
     }
 
-    /// Ground truth: the category of the object that presses hardest on a taxel; `None` if nothing does.
-    pub fn pressing(&self, taxel: usize, recording: &Recording) -> Option<Category> {
-        recording.category_of(self.object(taxel).filter(|_| self.is_touched(taxel))?)
+    /// Ground truth: the object that presses hardest on a taxel; `None` if nothing does, however lightly.
+    pub fn pressing(&self, taxel: usize) -> Option<u16> {
+        self.object(taxel).filter(|_| self.is_touched(taxel))
     }
 
     /// Pose of the patch's link, world frame; the identity before the first frame is read.

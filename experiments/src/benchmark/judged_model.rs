@@ -7,14 +7,15 @@ use std::sync::Arc;
 
 use underbrush_classifier::any_model::{self, AnyModel, OnlineJudge, OnlineModel};
 use underbrush_classifier::evaluate::NOTHING;
+use underbrush_classifier::touch::TouchVerdict;
 use underbrush_classifier::trial::PatchImage;
 use underbrush_classifier::{OnlineClassifier, OnlineError, OnlineOptions};
 use underbrush_recording::disk::file_blake3;
-use underbrush_recording::{Category, Fault, Frame, InputError, Recording, SkinLayout};
+use underbrush_recording::{Fault, Frame, InputError, Recording, SkinLayout};
 
 use super::counts::{Counts, FrameCounts};
 use super::frozen::{FLIPPER, FOREARM, THRESHOLD_N};
-use super::objects::{Class, END, JudgedObject, ObjectLog, Standing};
+use super::objects::{CATEGORIES, END, JudgedObject, ObjectLog, Standing, truth_of};
 
 /// A model that is judged.
 pub struct JudgedModel {
@@ -63,8 +64,7 @@ impl JudgedModel {
             }
         };
         let categories = model.categories();
-        let needed = [Category::LEAF, Category::TRUNK].map(Category::name);
-        if let Some(missing) = needed.iter().find(|name| !categories.iter().any(|own| own == *name)) {
+        if let Some(missing) = CATEGORIES.iter().find(|name| !categories.iter().any(|own| own == *name)) {
             let found = format!("no {missing}, only {}", categories.join(", "));
             let remedy = "train it on leaves and trunks, as with the benchmark's training set";
             return Err(InputError::new(path, "categories", found, "leaf and trunk", remedy).into());
@@ -94,22 +94,22 @@ impl JudgedModel {
         if flipper {
             images.push(image(FLIPPER)?);
         }
-        let mut answers: Vec<Vec<Class>> =
-            images.iter().map(|image| vec![Class::Nothing; image.patch().taxels.len()]).collect();
+        let mut answers: Vec<Vec<TouchVerdict>> =
+            images.iter().map(|image| vec![TouchVerdict::Nothing; image.patch().taxels.len()]).collect();
         let mut logs: Vec<ObjectLog> = images.iter().map(|_| ObjectLog::new(standing)).collect();
         let mut frames = FrameCounts::default();
         let category = |object: u16| recording.category_of(object);
         for (index, frame) in recording.frames.iter().enumerate() {
-            answers.iter_mut().for_each(|own| own.fill(Class::Nothing));
+            answers.iter_mut().for_each(|own| own.fill(TouchVerdict::Nothing));
             Self::answer(&mut judging, &frame.sensed(), &images, &mut answers)?;
             for (place, image) in images.iter_mut().enumerate() {
                 image.read(frame)?;
                 for (taxel, answer) in answers[place].iter().enumerate().filter(|own| image.is_in_contact(own.0)) {
-                    let pressing = image.object(taxel).filter(|_| image.is_touched(taxel));
+                    let pressing = image.pressing(taxel);
                     if let Some(object) = pressing {
                         logs[place].push(object, *answer);
                     }
-                    let truth = pressing.map_or(Some(Class::Nothing), |object| Class::of(category(object)?));
+                    let truth = pressing.map_or(Some(TouchVerdict::Nothing), |object| truth_of(category(object)?));
                     if let Some(truth) = truth.filter(|_| place == 0) {
                         frames.push(image.sensed_force_n(taxel), *answer, truth);
                     }
@@ -149,7 +149,7 @@ impl JudgedModel {
         judging: &mut [OnlineJudge],
         sensed: &Frame,
         images: &[PatchImage],
-        answers: &mut [Vec<Class>],
+        answers: &mut [Vec<TouchVerdict>],
     ) -> Result<(), Fault> {
         for (place, judge) in judging.iter_mut().enumerate() {
             match judge {
@@ -159,27 +159,16 @@ impl JudgedModel {
                     for own in classifier.taxels() {
                         let image = images.iter().position(|image| image.patch_index() == own.patch);
                         let Some(image) = image else { continue };
-                        answers[image][own.taxel] = class_of(own.touch.name(categories));
+                        answers[image][own.taxel] = TouchVerdict::named(own.touch.name(categories), &CATEGORIES);
                     }
                 }
                 OnlineJudge::OfTrials(online) => {
                     for own in online.update(sensed)? {
-                        answers[place][own.taxel] = class_of(own.verdict.name());
+                        answers[place][own.taxel] = TouchVerdict::named(own.verdict.name(), &CATEGORIES);
                     }
                 }
             }
         }
         Ok(())
-    }
-}
-
-/// The class of a verdict of any model, by its name.
-fn class_of(verdict: &str) -> Class {
-    match verdict {
-        _ if verdict == Category::LEAF.name() => Class::Leaf,
-        _ if verdict == Category::TRUNK.name() => Class::Trunk,
-        NOTHING => Class::Nothing,
-        Category::UNCERTAIN => Class::Uncertain,
-        _ => Class::Unknown,
     }
 }

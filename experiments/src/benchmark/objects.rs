@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use underbrush_classifier::touch::TouchVerdict;
 use underbrush_recording::Category;
 
 /// Frames after the first one in which an object is felt, after which the verdict on it is judged: 0.1 s and 0.3 s. It is
@@ -15,32 +16,12 @@ pub(super) const JUDGED_MOMENTS: usize = MOMENTS.len() + 1;
 /// The last moment: the end of the object's last contact.
 pub(super) const END: usize = MOMENTS.len();
 
-/// What touches a taxel or an object is, or is said to be.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Class {
-    /// Nothing.
-    #[default]
-    Nothing,
-    /// A leaf.
-    Leaf,
-    /// A trunk.
-    Trunk,
-    /// An object foreign to the foliage. As an answer: unknown, or a category other than leaf and trunk.
-    Unknown,
-    /// The model does not decide. Only an answer, never the truth.
-    Uncertain,
-}
+/// The categories of the benchmark. An object of another category is unknown, and so is what a model gives another name.
+pub(super) const CATEGORIES: [&str; 2] = ["leaf", "trunk"];
 
-impl Class {
-    /// The class of an object; `None` for a foam block, which belongs to the environment.
-    pub(super) fn of(category: Category) -> Option<Self> {
-        match category {
-            Category::LEAF => Some(Class::Leaf),
-            Category::TRUNK => Some(Class::Trunk),
-            Category::BLOCK => None,
-            _ => Some(Class::Unknown),
-        }
-    }
+/// What an object is; `None` for a foam block, which belongs to the environment.
+pub(super) fn truth_of(category: Category) -> Option<TouchVerdict> {
+    (category != Category::BLOCK).then(|| TouchVerdict::named(category.name(), &CATEGORIES))
 }
 
 /// Which of a model's verdicts in the frames so far is its verdict on an object.
@@ -52,28 +33,23 @@ pub(super) enum Standing {
     MostOfTheTime,
 }
 
-/// Numbers of answers leaf, trunk, unknown and uncertain. The answer nothing is no answer about an object.
-#[derive(Clone, Copy, Debug, Default)]
-struct Votes([usize; 4]);
+/// Numbers of answers. The answer nothing is no answer about an object.
+type Votes = BTreeMap<TouchVerdict, usize>;
 
-impl Votes {
-    const CLASSES: [Class; 4] = [Class::Leaf, Class::Trunk, Class::Unknown, Class::Uncertain];
-
-    fn add(&mut self, class: Class) {
-        if let Some(place) = Votes::CLASSES.iter().position(|own| *own == class) {
-            self.0[place] += 1;
-        }
+fn add(votes: &mut Votes, answer: TouchVerdict) {
+    if answer != TouchVerdict::Nothing {
+        *votes.entry(answer).or_default() += 1;
     }
+}
 
-    /// The most frequent answer. A tie is uncertain; without any answer it is nothing.
-    fn most(&self) -> Class {
-        let most = self.0.into_iter().max().filter(|most| *most > 0);
-        let mut first = (0..self.0.len()).filter(|place| Some(self.0[*place]) == most);
-        match (first.next(), first.next()) {
-            (None, _) => Class::Nothing,
-            (Some(place), None) => Votes::CLASSES[place],
-            _ => Class::Uncertain,
-        }
+/// The most frequent answer. A tie is uncertain; without any answer it is nothing.
+fn most(votes: &Votes) -> TouchVerdict {
+    let most = votes.values().max();
+    let mut first = votes.iter().filter(|(_, count)| Some(*count) == most);
+    match (first.next(), first.next()) {
+        (None, _) => TouchVerdict::Nothing,
+        (Some((answer, _)), None) => *answer,
+        _ => TouchVerdict::Uncertain,
     }
 }
 
@@ -90,8 +66,8 @@ pub(super) struct ObjectLog {
 struct OpenObject {
     first_frame: usize,
     over_time: Votes,
-    latest: Class,
-    verdicts: [Class; JUDGED_MOMENTS],
+    latest: TouchVerdict,
+    verdicts: [TouchVerdict; JUDGED_MOMENTS],
 }
 
 impl ObjectLog {
@@ -100,8 +76,8 @@ impl ObjectLog {
     }
 
     /// Takes in the answer about a taxel on which an object presses in this frame.
-    pub(super) fn push(&mut self, object: u16, answer: Class) {
-        self.frame.entry(object).or_default().add(answer);
+    pub(super) fn push(&mut self, object: u16, answer: TouchVerdict) {
+        add(self.frame.entry(object).or_default(), answer);
     }
 
     /// Ends the frame with this index. The answer about an object in a frame is that of most of the taxels on which it
@@ -109,14 +85,14 @@ impl ObjectLog {
     pub(super) fn end_frame(&mut self, index: usize) {
         for (object, votes) in std::mem::take(&mut self.frame) {
             let own = self.objects.entry(object).or_insert(OpenObject { first_frame: index, ..OpenObject::default() });
-            let answer = votes.most();
-            own.over_time.add(answer);
-            if answer != Class::Nothing {
+            let answer = most(&votes);
+            add(&mut own.over_time, answer);
+            if answer != TouchVerdict::Nothing {
                 own.latest = answer;
             }
             let verdict = match self.standing {
                 Standing::Latest => own.latest,
-                Standing::MostOfTheTime => own.over_time.most(),
+                Standing::MostOfTheTime => most(&own.over_time),
             };
             for (place, last) in own.verdicts.iter_mut().zip(MOMENTS.into_iter().chain([usize::MAX])) {
                 if index - own.first_frame <= last {
@@ -126,10 +102,10 @@ impl ObjectLog {
         }
     }
 
-    /// All objects with their true classes, which `category` gives, once the reach is over.
+    /// All objects of which `category` gives the true categories, once the reach is over.
     pub(super) fn finish(self, category: impl Fn(u16) -> Option<Category>) -> Vec<JudgedObject> {
         let judged = |(object, own): (u16, OpenObject)| {
-            let truth = Class::of(category(object)?)?;
+            let truth = truth_of(category(object)?)?;
             Some(JudgedObject { truth, verdicts: own.verdicts })
         };
         self.objects.into_iter().filter_map(judged).collect()
@@ -140,27 +116,31 @@ impl ObjectLog {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct JudgedObject {
     /// What it is.
-    pub(super) truth: Class,
+    pub(super) truth: TouchVerdict,
     /// The verdicts after each of [`MOMENTS`] (the last one if its contacts ended before), and at the end.
-    pub(super) verdicts: [Class; JUDGED_MOMENTS],
+    pub(super) verdicts: [TouchVerdict; JUDGED_MOMENTS],
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Class::{Leaf, Nothing, Trunk, Uncertain, Unknown};
+    use underbrush_classifier::touch::TouchVerdict::{Nothing, Uncertain, Unknown};
+
     use super::*;
 
+    const LEAF: TouchVerdict = TouchVerdict::Category(0);
+    const TRUNK: TouchVerdict = TouchVerdict::Category(1);
+
     /// The object 7, a leaf, pressed on by answers per frame for several taxels, and what is said of it at each moment.
-    fn verdicts(standing: Standing, frames: &[&[Class]]) -> [Class; JUDGED_MOMENTS] {
+    fn verdicts(standing: Standing, frames: &[&[TouchVerdict]]) -> [TouchVerdict; JUDGED_MOMENTS] {
         let mut log = ObjectLog::new(standing);
         for (index, answers) in frames.iter().enumerate() {
-            for class in *answers {
-                log.push(7, *class);
+            for answer in *answers {
+                log.push(7, *answer);
             }
             log.end_frame(100 + index);
         }
         let [judged] = log.finish(|_| Some(Category::LEAF)).try_into().unwrap();
-        assert_eq!(judged.truth, Leaf);
+        assert_eq!(judged.truth, LEAF);
         judged.verdicts
     }
 
@@ -169,24 +149,24 @@ mod tests {
     #[test]
     fn verdicts_are_those_of_their_moments() {
         // Trunk in frames 0 to 10, leaf to 30, no touch for 50, and then a leaf in two thirds of the taxels.
-        let mut frames: Vec<&[Class]> = vec![&[Trunk]; 11];
-        frames.extend([&[Leaf] as &[Class]; 20]);
-        frames.extend([&[] as &[Class]; 50]);
-        frames.extend([&[Unknown, Unknown, Leaf, Nothing, Nothing, Nothing] as &[Class]; 30]);
-        assert_eq!(verdicts(Standing::Latest, &frames), [Trunk, Leaf, Unknown]);
-        assert_eq!(verdicts(Standing::MostOfTheTime, &frames), [Trunk, Leaf, Unknown]);
-        assert_eq!(verdicts(Standing::MostOfTheTime, &frames[..100]), [Trunk, Leaf, Leaf]);
+        let mut frames: Vec<&[TouchVerdict]> = vec![&[TRUNK]; 11];
+        frames.extend([&[LEAF] as &[TouchVerdict]; 20]);
+        frames.extend([&[] as &[TouchVerdict]; 50]);
+        frames.extend([&[Unknown, Unknown, LEAF, Nothing, Nothing, Nothing] as &[TouchVerdict]; 30]);
+        assert_eq!(verdicts(Standing::Latest, &frames), [TRUNK, LEAF, Unknown]);
+        assert_eq!(verdicts(Standing::MostOfTheTime, &frames), [TRUNK, LEAF, Unknown]);
+        assert_eq!(verdicts(Standing::MostOfTheTime, &frames[..100]), [TRUNK, LEAF, LEAF]);
         // A contact of one frame has the same verdict at all moments.
-        assert_eq!(verdicts(Standing::Latest, &frames[..1]), [Trunk; 3]);
+        assert_eq!(verdicts(Standing::Latest, &frames[..1]), [TRUNK; 3]);
     }
 
     /// Tests that the answer nothing is none about an object unless there is no other, and that a tie is uncertain.
     #[test]
     fn nothing_is_no_answer_and_ties_are_uncertain() {
         for standing in [Standing::Latest, Standing::MostOfTheTime] {
-            assert_eq!(verdicts(standing, &[&[Leaf], &[Nothing, Nothing]]), [Leaf; 3]);
+            assert_eq!(verdicts(standing, &[&[LEAF], &[Nothing, Nothing]]), [LEAF; 3]);
             assert_eq!(verdicts(standing, &[&[Nothing], &[Nothing]]), [Nothing; 3]);
-            assert_eq!(verdicts(standing, &[&[Leaf, Trunk]]), [Uncertain; 3]);
+            assert_eq!(verdicts(standing, &[&[LEAF, TRUNK]]), [Uncertain; 3]);
         }
     }
 
@@ -196,12 +176,12 @@ mod tests {
     fn objects_weigh_alike() {
         let mut log = ObjectLog::new(Standing::Latest);
         for object in std::iter::repeat_n(1, 30).chain([0, 2]) {
-            log.push(object, Trunk);
+            log.push(object, TRUNK);
         }
         log.end_frame(0);
         let categories = [Category::LEAF, Category::TRUNK, Category::BLOCK];
         let objects = log.finish(|object| Some(categories[usize::from(object)]));
         let found: Vec<_> = objects.iter().map(|own| (own.truth, own.verdicts[END])).collect();
-        assert_eq!(found, [(Leaf, Trunk), (Trunk, Trunk)]);
+        assert_eq!(found, [(LEAF, TRUNK), (TRUNK, TRUNK)]);
     }
 }

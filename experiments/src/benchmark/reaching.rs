@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use underbrush_classifier::evaluate::share;
 use underbrush_recording::{Category, FRAME_PERIOD_S, Frame, Outcome, Recording};
 
 use super::frozen::GENTLE_N;
@@ -48,25 +49,26 @@ impl Reach {
     /// The part of a recording that had this many goals to reach. Those that were not tried because of a safety stop count
     /// as not reached.
     pub(crate) fn of(drawn_goals: u32, recording: &Recording) -> Self {
-        let safety_stops = recording.goal_outcomes().aborted;
-        let mut reach = Reach { goals: drawn_goals as usize, safety_stops, ..Reach::default() };
+        let outcomes = recording.goal_outcomes();
+        let mut reach = Reach {
+            goals: drawn_goals as usize,
+            reached: outcomes.reached,
+            trunk_peak_n: recording.contact_forces(Some(Category::TRUNK)).peak_n,
+            safety_stops: outcomes.aborted,
+            ..Reach::default()
+        };
         for (index, goal) in recording.goals.iter().enumerate() {
             reach.seconds += goal.end_time_s - goal.start_time_s;
             if goal.outcome == Outcome::Reached {
                 let frames = recording.frames.iter().filter(|frame| usize::from(frame.goal_index) == index);
                 let force_n = frames.map(|frame| on_trunk_n(frame, recording)).fold(0.0, f64::max);
-                reach.reached += 1;
                 reach.reached_gently += usize::from(force_n <= GENTLE_N);
             }
         }
         for contact in &recording.contacts {
-            match recording.category_of(contact.object) {
-                Some(Category::TRUNK) => reach.trunk_peak_n = reach.trunk_peak_n.max(contact.peak_force_n),
-                Some(Category::LEAF) => {
-                    let frames = f64::from(contact.last_frame - contact.first_frame + 1);
-                    reach.leaf_impulse_n_s += contact.mean_force_n * frames * FRAME_PERIOD_S;
-                }
-                _ => {}
+            if recording.category_of(contact.object) == Some(Category::LEAF) {
+                let frames = f64::from(contact.last_frame - contact.first_frame + 1);
+                reach.leaf_impulse_n_s += contact.mean_force_n * frames * FRAME_PERIOD_S;
             }
         }
         reach
@@ -89,8 +91,8 @@ fn on_trunk_n(frame: &Frame, recording: &Recording) -> f64 {
 pub(super) fn ranking(halves: [&[Reach]; 2]) -> Ranking {
     let halves = halves.map(|half| [half.to_vec()]);
     Ranking::of([&halves[0], &halves[1]], |groups| {
-        let sum = |of: fn(&Reach) -> usize| groups[0].iter().map(|reach| of(reach)).sum::<usize>() as f64;
-        Some(sum(|reach| reach.reached_gently) / sum(|reach| reach.goals)).filter(|share| share.is_finite())
+        let sum = |of: fn(&Reach) -> usize| groups[0].iter().map(|reach| of(reach)).sum::<usize>();
+        share(sum(|reach| reach.reached_gently), sum(|reach| reach.goals))
     })
 }
 

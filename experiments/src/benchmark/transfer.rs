@@ -1,6 +1,7 @@
 //! Track 2: a model that was trained at one stiffness, speed, sensor and arm judges objects at another.
 
 use serde::{Deserialize, Serialize};
+use underbrush_classifier::evaluate::mean;
 
 use super::counts::{Counts, KNOWN};
 use super::frozen::{OTHER_ARM, SETTINGS};
@@ -36,7 +37,7 @@ fn accuracy(own: &[&Counts]) -> Option<f64> {
 pub(super) fn figures(settings: &[Vec<Counts>]) -> Transfer {
     let setting = |(place, here): (usize, &Vec<Counts>)| {
         let name = SETTINGS[place].0;
-        let [leaves, trunks, _] = Counts::objects(&here.iter().collect::<Vec<_>>());
+        let [leaves, trunks, _] = Counts::objects(here);
         TransferTo {
             setting: name.to_owned(),
             objects: [leaves, trunks],
@@ -77,21 +78,25 @@ pub(super) fn ranking(halves: [&[Vec<Counts>]; 2]) -> Ranking {
             let count = reaches.first().map_or(0, |reach| reach.len());
             (0..count).map(|place| accuracy(&reaches.iter().map(|reach| &reach[place]).collect::<Vec<_>>()))
         });
-        let accuracies: Vec<f64> = settings.collect::<Option<_>>()?;
-        Some(accuracies.iter().sum::<f64>() / accuracies.len() as f64)
+        mean(settings.collect::<Option<Vec<f64>>>()?)
     })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::objects::{Class, JUDGED_MOMENTS, JudgedObject};
+    use underbrush_classifier::touch::TouchVerdict;
+
+    use super::super::objects::{JUDGED_MOMENTS, JudgedObject};
     use super::*;
+
+    const LEAF: TouchVerdict = TouchVerdict::Category(0);
+    const TRUNK: TouchVerdict = TouchVerdict::Category(1);
 
     /// Three reaches, in each of which a trunk and this many of four leaves are called what they are.
     fn reaches(right: usize) -> Vec<Counts> {
         let object = |truth, verdict| JudgedObject { truth, verdicts: [verdict; JUDGED_MOMENTS] };
-        let mut objects = vec![object(Class::Trunk, Class::Trunk)];
-        objects.extend((0..4).map(|leaf| object(Class::Leaf, if leaf < right { Class::Leaf } else { Class::Trunk })));
+        let mut objects = vec![object(TRUNK, TRUNK)];
+        objects.extend((0..4).map(|leaf| object(LEAF, if leaf < right { LEAF } else { TRUNK })));
         vec![Counts::of(&objects, 0); 3]
     }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use underbrush_recording::distinct;
 
-use super::counts::{ALL, CALLED_UNKNOWN, Counts, FittedNothing, FrameCounts, KNOWN, UNKNOWN};
+use super::counts::{ALL, Counts, FittedNothing, FrameCounts, KNOWN, UNKNOWN};
 use super::judged_model::JudgedReach;
 use super::objects::{END, JUDGED_MOMENTS, JudgedObject, MOMENTS};
 use crate::resampled::{Estimate, Ranking};
@@ -85,19 +85,19 @@ fn of_objects(reaches: &[(String, Vec<JudgedObject>)]) -> ObjectFigures {
             leaf_trunk_or_unknown: Estimate::of(&counts, |own| Counts::accuracy(own, ALL)),
             leaf_or_trunk: Estimate::of(&counts, |own| Counts::accuracy(own, KNOWN)),
             unknown_found: Estimate::of(&counts, |own| Counts::accuracy(own, UNKNOWN)),
-            known_called_unknown: Estimate::of(&counts, |own| Counts::accuracy(own, CALLED_UNKNOWN)),
+            known_called_unknown: Estimate::of(&counts, Counts::known_called_unknown),
         }
     };
     let scenes = distinct(reaches.iter().map(|(scene, _)| scene));
     let unknown_in = |scene: &String| {
         let own = reaches.iter().filter(|(own, _)| own == scene);
         let counts: Vec<Counts> = own.map(|(_, objects)| Counts::of(objects, END)).collect();
-        let [_, _, objects] = Counts::objects(&counts.iter().collect::<Vec<_>>());
+        let [_, _, objects] = Counts::objects(&counts);
         let found = Estimate::of(&counts, |own| Counts::accuracy(own, UNKNOWN));
         (objects > 0).then(|| UnknownIn { scene: scene.clone(), objects, found })
     };
     ObjectFigures {
-        objects: Counts::objects(&counts(END).iter().collect::<Vec<_>>()),
+        objects: Counts::objects(&counts(END)),
         moments: (0..JUDGED_MOMENTS).map(at).collect(),
         unknown_in: scenes.into_iter().filter_map(unknown_in).collect(),
     }

@@ -1,7 +1,7 @@
 //! Online verdicts in reaches that touch one category alone (Fig. 11).
 
 use serde::Serialize;
-use underbrush_classifier::evaluate::Tally;
+use underbrush_classifier::evaluate::Stream;
 use underbrush_recording::{Category, Fault};
 
 use crate::frame_verdicts::{self, Shares};
@@ -46,8 +46,8 @@ pub fn run(session: &Session) -> Result<EngineeredReaches, Fault> {
             category: category.name(),
             reach_index: own.map(|own| own.reach_index),
             drawn: found.drawn,
-            shares: own.and_then(|own| Shares::of(&own.stream.total())),
-            untouched_percent: reach.by_object.as_ref().and_then(|own| untouched_percent(&own.stream.total())),
+            shares: own.and_then(|own| Shares::of(&own.stream)),
+            untouched_percent: reach.by_object.as_ref().and_then(|own| untouched_percent(&own.stream)),
             mean_samples_used: own.and_then(|own| own.stream.mean_samples_used()),
         }
     };
@@ -55,7 +55,8 @@ pub fn run(session: &Session) -> Result<EngineeredReaches, Fault> {
 }
 
 /// Taxel frames in which nothing presses on the taxel, per cent of all; `None` without any.
-fn untouched_percent(tally: &Tally) -> Option<f64> {
-    let all = tally.judged() + tally.unknown;
-    (all > 0).then(|| 100.0 * tally.unknown as f64 / all as f64)
+fn untouched_percent(reach: &Stream) -> Option<f64> {
+    let untouched = reach.tally_of(None).total();
+    let all = untouched + reach.total().total();
+    (all > 0).then(|| 100.0 * untouched as f64 / all as f64)
 }

@@ -141,14 +141,7 @@ mod tests {
     fn a_further_category_has_a_row_of_its_own() {
         let reach = |truths: Vec<Category>, taxel_frames: Vec<Vec<usize>>| Classified {
             reach_index: 0,
-            stream: Stream {
-                truths,
-                verdicts: vec!["reed".into(), "trunk".into()],
-                frames: Vec::new(),
-                taxel_frames,
-                contacts: Vec::new(),
-                seconds: Vec::new(),
-            },
+            stream: Stream { truths, verdicts: vec!["reed".into(), "trunk".into()], taxel_frames, ..Stream::default() },
         };
         let reaches = [
             reach(vec![Category::TRUNK], vec![vec![1, 3], vec![9, 9]]),

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use serde::Serialize;
-use underbrush_classifier::evaluate::StreamFrame;
+use underbrush_classifier::evaluate::{StreamFrame, mean};
 use underbrush_recording::Fault;
 use underbrush_recording::math::median;
 
@@ -46,11 +46,11 @@ pub fn run(session: &Session) -> Result<AccuracyOverTime, Fault> {
     Ok(AccuracyOverTime {
         figure_9: SamplesUsed {
             mean_samples_used: shown.and_then(|reach| reach.stream.mean_samples_used()),
-            mean_over_reaches: (!used.is_empty()).then(|| used.iter().sum::<f64>() / used.len() as f64),
+            mean_over_reaches: mean(used.iter().copied()),
             reaches: used.len(),
             paper: session.experiment.published().and_then(|own| own.samples_used),
         },
-        figure_10: shown.and_then(|reach| Shares::of(&reach.stream.total())),
+        figure_10: shown.and_then(|reach| Shares::of(&reach.stream)),
         online,
     })
 }

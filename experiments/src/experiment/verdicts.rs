@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use serde::Serialize;
-use underbrush_classifier::evaluate::touch::{TouchEvaluation, TouchTally};
-use underbrush_classifier::evaluate::{Accuracy, EvaluateError, TouchFigures, UnknownFigures};
+use underbrush_classifier::evaluate::touch::TouchEvaluation;
+use underbrush_classifier::evaluate::{Accuracy, EvaluateError, Tally, TouchFigures, UnknownFigures};
 use underbrush_classifier::touch::TouchExamples;
 use underbrush_recording::{Fault, Recording};
 
@@ -170,15 +170,13 @@ pub(crate) fn held_out(
 }
 
 impl SceneFigures {
-    fn of(scene: &str, tally: &TouchTally) -> Option<Self> {
-        let total = tally.total();
-        let share = |count: usize| count as f64 / total as f64;
-        (total > 0).then(|| SceneFigures {
+    fn of(scene: &str, tally: &Tally) -> Option<Self> {
+        Some(SceneFigures {
             scene: scene.to_owned(),
-            taxel_frames: total,
-            right: share(tally.right),
-            wrong: share(tally.wrong),
-            uncertain: share(tally.uncertain),
+            taxel_frames: tally.total(),
+            right: tally.share(tally.right)?,
+            wrong: tally.share(tally.wrong)?,
+            uncertain: tally.share(tally.uncertain)?,
         })
     }
 }

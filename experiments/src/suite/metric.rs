@@ -1,8 +1,7 @@
 //! The metrics that a suite can bound. Each has one value per reach, or none if it cannot be measured in that reach.
 
 use serde::Serialize;
-use underbrush_classifier::decision::Verdict;
-use underbrush_classifier::evaluate::{JudgedObject, NOTHING, Stream, Tally};
+use underbrush_classifier::evaluate::{self, JudgedObject, Stream, Tally};
 use underbrush_classifier::touch::TouchVerdict;
 use underbrush_recording::math::{larger, median};
 use underbrush_recording::{Category, ContactForces, Recording};
@@ -161,13 +160,13 @@ pub const METRICS: [Metric; 18] = [
         summary: "Share of the taxels in contact with such an object, over all frames, whose verdict is right; \
                   `right.outlier` is the share of outlier contact that is found",
         sides: Sides::AtLeast,
-        of_reach: |reach, category| share(reach, category, |tally| tally.correct),
+        of_reach: |reach, category| share(reach, category, |tally| tally.right),
         ..VERDICT
     },
     Metric {
         name: "wrong",
         summary: "Share of those taxels whose verdict is another category, outlier for what is not one, or nothing",
-        of_reach: |reach, category| share(reach, category, |tally| tally.misclassified),
+        of_reach: |reach, category| share(reach, category, |tally| tally.wrong),
         ..VERDICT
     },
     Metric {
@@ -179,7 +178,7 @@ pub const METRICS: [Metric; 18] = [
     Metric {
         name: "called_outlier",
         summary: "Share of those taxels that are called an outlier",
-        of_reach: |reach, category| share_called(reach, category?, Verdict::Outlier.name()),
+        of_reach: |reach, category| share(reach, category, |tally| tally.unknown),
         ..VERDICT
     },
     Metric {
@@ -191,7 +190,7 @@ pub const METRICS: [Metric; 18] = [
     Metric {
         name: "called_nothing",
         summary: "Share of those taxels that are called nothing, which only a touch model does",
-        of_reach: |reach, category| share_called(reach, category?, NOTHING),
+        of_reach: |reach, category| share(reach, category, |tally| tally.nothing),
         ..TOUCH
     },
     Metric {
@@ -199,7 +198,7 @@ pub const METRICS: [Metric; 18] = [
         summary: "Share of the taxels with a reading on which nothing presses, over all frames, that a touch model calls nothing",
         by_category: false,
         sides: Sides::AtLeast,
-        of_reach: |reach, _| share_of_row(reach.stream?, reach.stream?.truths.len(), NOTHING),
+        of_reach: |reach, _| share(reach, None, |tally| tally.nothing),
         ..TOUCH
     },
     Metric {
@@ -255,31 +254,17 @@ fn taxel_force_n(reach: &Measured, category: Option<Category>) -> Option<f64> {
     pressed.map(|reading| reading.sensed_force_n).reduce(f64::max)
 }
 
-fn share(reach: &Measured, category: Option<Category>, part: fn(&Tally) -> usize) -> Option<f64> {
-    let tally = reach.stream?.tally_of(category?);
-    (tally.judged() > 0).then(|| part(&tally) as f64 / tally.judged() as f64)
-}
-
-/// The share of the taxels in contact with a category that have this verdict.
-fn share_called(reach: &Measured, category: Category, verdict: &str) -> Option<f64> {
-    let stream = reach.stream?;
-    share_of_row(stream, stream.truths.iter().position(|truth| *truth == category)?, verdict)
+/// A share of the taxels in contact with objects of a category, or with nothing.
+fn share(reach: &Measured, truth: Option<Category>, part: fn(&Tally) -> usize) -> Option<f64> {
+    let tally = reach.stream?.tally_of(truth);
+    tally.share(part(&tally))
 }
 
 fn objects_called_unknown(reach: &Measured, category: Option<Category>) -> Option<f64> {
     let category = category?;
     let own: Vec<&JudgedObject> = reach.objects.iter().filter(|own| own.truth == category.name()).collect();
     let called = own.iter().filter(|own| own.at_end == TouchVerdict::Unknown.name(&[])).count();
-    (!own.is_empty()).then(|| called as f64 / own.len() as f64)
-}
-
-/// The share of a row of [`Stream::taxel_frames`] that has this verdict; `None` if the row is empty or the model has no
-/// such verdict.
-fn share_of_row(stream: &Stream, row: usize, verdict: &str) -> Option<f64> {
-    let column = stream.verdicts.iter().position(|name| name == verdict)?;
-    let row = &stream.taxel_frames[row];
-    let judged: usize = row.iter().sum();
-    (judged > 0).then(|| row[column] as f64 / judged as f64)
+    evaluate::share(called, own.len())
 }
 
 /// The number of samples to the first right verdict of each contact with this category; `None` for contacts without
@@ -297,11 +282,10 @@ fn samples_to_right(reach: &Measured, category: Option<Category>) -> Option<f64>
 fn never_right(reach: &Measured, category: Option<Category>) -> Option<f64> {
     let contacts = first_right(reach, category)?;
     let never = contacts.iter().filter(|samples| samples.is_none()).count();
-    (!contacts.is_empty()).then(|| never as f64 / contacts.len() as f64)
+    evaluate::share(never, contacts.len())
 }
 
 fn taxels_per_frame(reach: &Measured, _: Option<Category>) -> Option<f64> {
-    let frames = reach.stream?.frames.iter().map(|frame| frame.in_contact);
-    let taxels: Vec<usize> = frames.filter(|taxels| *taxels > 0).collect();
-    (!taxels.is_empty()).then(|| taxels.iter().sum::<usize>() as f64 / taxels.len() as f64)
+    let taxels = reach.stream?.frames.iter().map(|frame| frame.in_contact as f64);
+    evaluate::mean(taxels.filter(|taxels| *taxels > 0.0))
 }

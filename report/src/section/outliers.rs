@@ -148,7 +148,7 @@ pub fn reach_chart(reach: &Classified, labels: &[&str], looks: &CategoryLooks) -
         description += &format!(" {name} {mean:.2},");
         layers.push(Layer::new(name, style, Shape::Areas(points)));
     }
-    let (untouched, points) = means(&|frame| frame.tally.unknown);
+    let (untouched, points) = means(&StreamFrame::without_truth);
     description += &format!(" without truth {untouched:.2}");
     layers.push(Layer::new("nothing presses", REFERENCE, Shape::Steps(points)));
     description = format!("{}. Truly touched in this share of the time:", description.trim_end_matches(','));
@@ -207,7 +207,7 @@ pub fn frames_table(online: &Online) -> Table {
         .column("reach_index", |(reach, _)| reach.reach_index as usize)
         .number("time_s", 2, |(_, frame)| frame.time_s)
         .columns(verdicts, |(_, frame)| frame.by_verdict.iter().copied())
-        .column("without_truth", |(_, frame)| frame.tally.unknown)
+        .column("without_truth", |(_, frame)| frame.without_truth())
         .columns(truths.iter().map(|truth| format!("touches_{}", truth.name())), |(reach, frame)| {
             truths.iter().map(move |truth| usize::from(touches(reach, frame, *truth)))
         })

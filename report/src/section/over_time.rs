@@ -1,6 +1,6 @@
 //! Online verdicts over time in a general reach (Figs. 8 to 10).
 
-use underbrush_classifier::evaluate::Tally;
+use underbrush_classifier::evaluate::StreamFrame;
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_experiments::experiment::over_time::{AccuracyOverTime, seconds_per_100_taxels};
 use underbrush_experiments::frame_verdicts::Classified;
@@ -18,13 +18,13 @@ pub fn add(report: &mut Report, outcome: &AccuracyOverTime) {
         report.page.paragraph("No general reach was found in which the patch touches every category.");
         return;
     };
-    let total = reach.stream.total();
     let (every, draw) = (every(&report.results.definition.labels()), reach.reach_index);
     let (found, drawn) = (outcome.online.general.len(), outcome.online.general_drawn);
     let recipe = report.results.definition.main_recipe();
     let (states, seen) = (recipe.states, seen(&recipe.features));
     let margin_nats = report.results.definition.file.thresholds.uncertain_below_nats;
-    let (untouched, all) = (total.unknown, total.unknown + total.judged());
+    let untouched = reach.stream.tally_of(None).total();
+    let all = untouched + reach.stream.total().total();
     report.page.paragraph(&format!(
         "This is the first reach in mixed clutter in which the patch touches {every}: draw {draw}. {found} of {drawn} draws do so. \
          The models have {states} states and see {seen}; a taxel is uncertain below a margin of {margin_nats} nats. The truth of a \
@@ -137,18 +137,18 @@ fn samples_used(outcome: &AccuracyOverTime, reach: &Classified) -> String {
 
 /// Correct, misclassified, uncertain and untouched taxels over time, all on one scale.
 fn verdicts(reach: &Classified) -> Vec<String> {
-    type Of = fn(&Tally) -> usize;
+    type Of = fn(&StreamFrame) -> usize;
     let kinds: [(&str, &str, Of); 4] = [
-        ("correct", CORRECT, |tally| tally.correct),
-        ("misclassified", WRONG, |tally| tally.misclassified),
-        ("uncertain", UNCERTAIN, |tally| tally.uncertain),
-        ("untouched", UNTOUCHED, |tally| tally.unknown),
+        ("correct", CORRECT, |frame| frame.tally.right),
+        ("misclassified", WRONG, |frame| frame.tally.wrong),
+        ("uncertain", UNCERTAIN, |frame| frame.tally.uncertain),
+        ("untouched", UNTOUCHED, StreamFrame::without_truth),
     ];
     let frames = &reach.stream.frames;
-    let highest = kinds.iter().flat_map(|kind| frames.iter().map(|frame| kind.2(&frame.tally)));
+    let highest = kinds.iter().flat_map(|kind| frames.iter().map(kind.2));
     let highest = highest.max().unwrap_or(1).max(1);
     let of_kind = |(name, colour, of): (&str, &'static str, Of)| {
-        let points: Vec<(f64, f64)> = frames.iter().map(|frame| (frame.time_s, of(&frame.tally) as f64)).collect();
+        let points: Vec<(f64, f64)> = frames.iter().map(|frame| (frame.time_s, of(frame) as f64)).collect();
         let max = points.iter().map(|point| point.1).fold(0.0, f64::max);
         let mean = points.iter().map(|point| point.1).sum::<f64>() / points.len().max(1) as f64;
         let axes = (Axis::from_zero("time / s"), Axis::spanning("taxels", 0.0, highest as f64));
@@ -176,9 +176,9 @@ fn frames_table(reach: &Classified) -> Table {
         .column("taxels_in_contact", |frame| frame.in_contact)
         .number("mean_samples_used", 2, |frame| frame.mean_samples_used)
         .number("mean_samples_since_contact", 2, |frame| frame.mean_samples_since_contact)
-        .column("correct", |frame| frame.tally.correct)
-        .column("misclassified", |frame| frame.tally.misclassified)
+        .column("correct", |frame| frame.tally.right)
+        .column("misclassified", |frame| frame.tally.wrong)
         .column("uncertain", |frame| frame.tally.uncertain)
-        .column("without_truth", |frame| frame.tally.unknown)
+        .column("without_truth", |frame| frame.without_truth())
         .table("figures_9_10", "Samples used and verdicts")
 }

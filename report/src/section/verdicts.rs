@@ -1,7 +1,7 @@
 //! What touches each taxel, frame by frame: accuracy, calibration, and outliers found.
 
-use underbrush_classifier::evaluate::UnknownFigures;
 use underbrush_classifier::evaluate::touch::CalibrationBin;
+use underbrush_classifier::evaluate::{UnknownFigures, share};
 use underbrush_experiments::experiment::verdicts::{VerdictFigures, Verdicts};
 
 use crate::style::FIRST;
@@ -54,7 +54,6 @@ fn figures(verdicts: &Verdicts) -> Table {
     let both = "taxel frames of nothing and known categories";
     let (unknown, known) = ("objects of no known category, test reaches", "objects of known categories, test reaches");
     let area = |own: Option<UnknownFigures>| own.and_then(|own| own.roc_area);
-    let share = |part: usize, all: usize| (all > 0).then(|| part as f64 / all as f64);
     let found = |own: Option<UnknownFigures>| own.and_then(|own| share(own.found_objects, own.unknown_objects));
     let (outlier, second) = (verdicts.outlier, verdicts.second_outlier);
     let false_alarms = outlier.and_then(|own| share(own.false_alarm_objects, own.known_objects));

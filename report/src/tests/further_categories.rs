@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use underbrush_classifier::decision::Verdict;
-use underbrush_classifier::evaluate::{Stream, StreamFrame, Tally};
+use underbrush_classifier::evaluate::{Stream, StreamFrame};
 use underbrush_experiments::experiment::example_trials::{self, Example};
 use underbrush_experiments::frame_verdicts::{Classified, Online};
 use underbrush_recording::{Category, FRAME_PERIOD_S, Grid, Sample, Trial};
@@ -27,11 +27,9 @@ fn reach(truths: Vec<Category>) -> Classified {
     let frame = |index: usize, pressing: &[Category]| StreamFrame {
         time_s: index as f64 * FRAME_PERIOD_S,
         in_contact: 2,
-        tally: Tally::default(),
         by_verdict: vec![0, 2, 0, 0, 0],
         touched: truths.iter().map(|truth| pressing.contains(truth)).collect(),
-        mean_samples_used: 0.0,
-        mean_samples_since_contact: 0.0,
+        ..StreamFrame::default()
     };
     let frames = vec![frame(0, &[Category::TRUNK, Category::BLOCK]), frame(1, &[REED])];
     Classified {
@@ -41,8 +39,7 @@ fn reach(truths: Vec<Category>) -> Classified {
             truths,
             verdicts,
             frames,
-            contacts: Vec::new(),
-            seconds: vec![0.0; 2],
+            ..Stream::default()
         },
     }
 }

@@ -6,7 +6,6 @@ use std::time::Instant;
 
 use underbrush_recording::{Category, Frame, Recording};
 
-use super::super::prediction::is_right;
 use super::super::touch_object::{JudgedObject, OpenObject};
 use super::{NOTHING, Stream, StreamContact, StreamFrame, StreamTruth, Tally};
 use crate::decision::Verdict;
@@ -167,8 +166,16 @@ impl Stream {
             if taxel.samples == 1 {
                 last.contact = None;
             }
-            self.follow(&mut last.contact, truth, taxel);
-            tally.count(truth, taxel.verdict, self.categories(), 1);
+            if let Some(truth) = truth {
+                let is_right = self.count(&mut tally, Some(truth), taxel.verdict, 1);
+                let contact = *last.contact.get_or_insert(self.contacts.len());
+                if contact == self.contacts.len() {
+                    self.contacts.push(StreamContact { truth, first_right: None });
+                }
+                if is_right {
+                    self.contacts[contact].first_right.get_or_insert(taxel.samples);
+                }
+            }
             used += last.samples_used;
             since_contact += taxel.samples;
             let row = truth.and_then(|truth| self.truths.iter().position(|category| *category == truth));
@@ -186,17 +193,5 @@ impl Stream {
             mean_samples_used: used as f64 / taxels,
             mean_samples_since_contact: since_contact as f64 / taxels,
         });
-    }
-
-    /// Counts a sample of a contact; `place` is the index of the contact in [`Stream::contacts`], once it has a truth.
-    fn follow(&mut self, place: &mut Option<usize>, truth: Option<Category>, taxel: &Judged) {
-        let Some(truth) = truth else { return };
-        let place = *place.get_or_insert(self.contacts.len());
-        if place == self.contacts.len() {
-            self.contacts.push(StreamContact { truth, first_right: None });
-        }
-        if is_right(truth.name(), taxel.verdict, self.categories()) {
-            self.contacts[place].first_right.get_or_insert(taxel.samples);
-        }
     }
 }

@@ -42,8 +42,10 @@ fn reach() -> Recording {
 #[test]
 fn verdicts_are_tallied_by_truth() {
     let stream = classify_stream(&models(), &reach(), &options(Rule::Argmax), StreamTruth::Object).unwrap();
-    let total = Tally { correct: 6 + 5, misclassified: 6, uncertain: 0, unknown: 6 };
-    assert_eq!(stream.total(), total);
+    assert_eq!(stream.total(), Tally { right: 6 + 5, wrong: 6, ..Tally::default() });
+    // Without truth, nothing would be right.
+    assert_eq!(stream.tally_of(None), Tally { wrong: 6, ..Tally::default() });
+    assert_eq!(stream.frames[4].without_truth(), 1);
     assert_eq!(stream.verdicts, ["leaf", "trunk", "uncertain", "outlier"]);
     let expected = [vec![6, 0, 0, 0], vec![6, 5, 0, 0], vec![0; 4], vec![0; 4], vec![0, 6, 0, 0]];
     assert_eq!(stream.taxel_frames, expected);
@@ -74,13 +76,13 @@ fn the_first_right_verdict_of_each_contact_is_found() {
 fn a_category_has_a_tally_of_its_own() {
     let rule = Rule::UncertainBelow { margin: 5.0 };
     let stream = classify_stream(&models(), &reach(), &options(rule), StreamTruth::Object).unwrap();
-    let (leaf, trunk) = (stream.tally_of(Category::LEAF), stream.tally_of(Category::TRUNK));
+    let [leaf, trunk] = [Category::LEAF, Category::TRUNK].map(|truth| stream.tally_of(Some(truth)));
     // In their first samples taxel 2, taxel 7 and both contacts of taxel 9 are uncertain.
-    let tally = |correct, misclassified, uncertain| Tally { correct, misclassified, uncertain, unknown: 0 };
+    let tally = |right, wrong, uncertain| Tally { right, wrong, uncertain, ..Tally::default() };
     assert_eq!(leaf, tally(5, 0, 1));
     assert_eq!(trunk, tally(3, 5, 3));
-    assert_eq!(stream.tally_of(Category::OUTLIER), Tally::default());
-    assert_eq!(leaf.judged() + trunk.judged(), stream.total().judged());
+    assert_eq!(stream.tally_of(Some(Category::OUTLIER)), Tally::default());
+    assert_eq!(Tally::sum([leaf, trunk]), stream.total());
 }
 
 /// Tests StreamTruth::Environment: in a trunk-only environment, trunk is the truth even for the taxel without an
@@ -89,8 +91,8 @@ fn a_category_has_a_tally_of_its_own() {
 fn an_environment_is_everyones_truth() {
     let truth = StreamTruth::Environment(Category::TRUNK);
     let stream = classify_stream(&models(), &reach(), &options(Rule::Argmax), truth).unwrap();
-    let total = Tally { correct: 5 + 6, misclassified: 12, uncertain: 0, unknown: 0 };
-    assert_eq!(stream.total(), total);
+    assert_eq!(stream.total(), Tally { right: 5 + 6, wrong: 12, ..Tally::default() });
+    assert_eq!(stream.tally_of(None), Tally::default());
 }
 
 /// Tests the quantity of Fig. 9: with a required margin of 10 nats and 3.125 nats per sample, a verdict needs 4
@@ -120,8 +122,7 @@ fn a_foreign_object_is_rightly_an_outlier() {
     // Margins grow by 3.125 nats per sample: outlier after samples 1 to 3, then a category.
     assert_eq!(stream.taxel_frames[0], [3, 0, 0, 3]);
     assert_eq!(stream.taxel_frames[3], [3, 1, 0, 3 + 3 + 1]);
-    assert_eq!(stream.total().correct, 3 + 7);
-    assert_eq!(stream.total().misclassified, 3 + 4);
+    assert_eq!(stream.total(), Tally { right: 3 + 7, wrong: 3 + 4, unknown: 3 + 7, ..Tally::default() });
 }
 
 /// Tests that the same verdicts are right in a stream and for a whole trial, for each category and verdict. A block
@@ -134,8 +135,14 @@ fn right_in_a_stream_is_right_as_a_trial() {
     let mut right = Vec::new();
     for truth in Category::BUILT_IN {
         for verdict in &verdicts {
-            let mut tally = Tally::default();
-            tally.count(Some(truth), verdict.index(&categories).unwrap(), &categories, 1);
+            let mut counts = vec![0; 4];
+            counts[verdict.index(&categories).unwrap()] = 1;
+            let stream = Stream {
+                truths: vec![truth],
+                verdicts: ["leaf", "trunk", "uncertain", "outlier"].map(str::to_owned).to_vec(),
+                taxel_frames: vec![counts, vec![0; 4]],
+                ..Stream::default()
+            };
             let prediction = crate::evaluate::Prediction {
                 trial: 0,
                 reach: None,
@@ -147,7 +154,8 @@ fn right_in_a_stream_is_right_as_a_trial() {
                 verdict: verdict.clone(),
             };
             let is_right = prediction.record(&categories).is_right(&categories);
-            assert_eq!(tally.correct == 1, is_right, "{truth:?} called {}", verdict.name());
+            let tally = stream.tally_of(Some(truth));
+            assert_eq!(tally.right == 1, is_right, "{truth:?} called {}", verdict.name());
             if is_right {
                 right.push((truth, verdict.name()));
             }

@@ -19,9 +19,10 @@ pub(crate) type Votes = BTreeMap<u16, f64>;
 /// Adds the sensed force of each taxel of a region that something truly presses on.
 pub(in crate::touch) fn add_votes(votes: &mut Votes, tracker: &SkinTracker, region: &Region) {
     let image = &tracker.image;
-    let touched = tracker.taxels(region).iter().filter(|taxel| image.is_touched(**taxel));
-    for (taxel, object) in touched.filter_map(|taxel| Some((*taxel, image.object(*taxel)?))) {
-        *votes.entry(object).or_default() += image.sensed_force_n(taxel);
+    for &taxel in tracker.taxels(region) {
+        if let Some(object) = image.pressing(taxel) {
+            *votes.entry(object).or_default() += image.sensed_force_n(taxel);
+        }
     }
 }
 

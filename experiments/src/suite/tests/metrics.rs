@@ -68,15 +68,7 @@ fn reach() -> Recording {
 /// uncertain. Nothing presses in 4 more, of which 1 is called nothing.
 fn stream() -> Stream {
     let contact = |truth, first_right| StreamContact { truth, first_right };
-    let frame = |in_contact| StreamFrame {
-        time_s: 0.0,
-        in_contact,
-        tally: Default::default(),
-        by_verdict: Vec::new(),
-        touched: Vec::new(),
-        mean_samples_used: 0.0,
-        mean_samples_since_contact: 0.0,
-    };
+    let frame = |in_contact| StreamFrame { in_contact, ..StreamFrame::default() };
     Stream {
         truths: vec![Category::LEAF, Category::TRUNK],
         verdicts: ["leaf", "trunk", "uncertain", "outlier", "nothing"].map(String::from).to_vec(),
@@ -88,7 +80,7 @@ fn stream() -> Stream {
             contact(Category::LEAF, Some(10)),
             contact(Category::TRUNK, None),
         ],
-        seconds: vec![0.0; 3],
+        ..Stream::default()
     }
 }
 
