@@ -100,15 +100,12 @@ pub enum DecisionError {
         /// Margins from which a verdict is not uncertain, and above which it is a category, nats.
         found: [f64; 2],
     },
-    /// The paper's thresholds belong to other scores.
+    /// The paper's thresholds belong to other scores, for this reason.
     #[error(
         "the paper's thresholds of 15 and 80 nats belong to Viterbi scores of hidden Markov models of unscaled force, and \
-         {misfit}; give a margin (--decision uncertain), or fit with a false positive rate"
+         {0}; give a margin (--decision uncertain), or fit with a false positive rate"
     )]
-    NotThePapers {
-        /// Why they do not apply.
-        misfit: String,
-    },
+    NotThePapers(String),
     /// The model's own thresholds belong to its other kind of score.
     #[error(
         "the model's own thresholds were chosen on the other kind of score; give a decision, or leave the kind of score as \

@@ -18,15 +18,12 @@ pub enum ModelError {
     /// An option of a classifier outside its range.
     #[error("the option {0}")]
     BadOption(#[from] ValueFault),
-    /// No trial has a category that classifiers are fitted to.
+    /// None of so many trials has a category that classifiers are fitted to.
     #[error(
-        "none of {trials} trials has a category to fit (blocks and outliers are never fitted); \
+        "none of {0} trials has a category to fit (blocks and outliers are never fitted); \
          use trials with ground truth, such as leaf and trunk"
     )]
-    NoCategories {
-        /// Number of trials given.
-        trials: usize,
-    },
+    NoCategories(usize),
     /// Too few reaches to show that a share stays within its limit.
     #[error(
         "{reaches} reaches cannot show that at most {share} of a new reach is judged badly; allowed: {needed} reaches or more \
@@ -41,11 +38,8 @@ pub enum ModelError {
         share: f64,
     },
     /// A category of the start models has no trials.
-    #[error("no trial has the category {category} of the start models; add such trials or drop that start model")]
-    NoTrials {
-        /// The category.
-        category: String,
-    },
+    #[error("no trial has the category {0} of the start models; add such trials or drop that start model")]
+    NoTrials(String),
     /// Training the hidden Markov model of one category failed.
     #[error("training the model of {category}: {source}")]
     Training {

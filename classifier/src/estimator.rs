@@ -216,5 +216,5 @@ pub fn trials_by_category<'a>(
             by_category.entry(category.to_owned()).or_default().push(trial);
         }
     }
-    if by_category.is_empty() { Err(ModelError::NoCategories { trials: count }) } else { Ok(by_category) }
+    if by_category.is_empty() { Err(ModelError::NoCategories(count)) } else { Ok(by_category) }
 }

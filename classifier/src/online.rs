@@ -44,12 +44,9 @@ pub enum OnlineError {
         /// The patch.
         patch: String,
     },
-    /// A feature is a channel, which frames do not have.
-    #[error("{feature} is a column of a table of trials, and frames have none; use a model without {feature}")]
-    NoChannel {
-        /// Name of the feature.
-        feature: &'static str,
-    },
+    /// The feature of this name is a channel, which frames do not have.
+    #[error("{0} is a column of a table of trials, and frames have none; use a model without {0}")]
+    NoChannel(&'static str),
 }
 
 /// Which taxels are classified, and how.
@@ -165,7 +162,7 @@ impl OnlineClassifier {
         let categories = classifier.categories();
         let image = PatchImage::new(layout, options.patch.as_deref(), options.threshold_n)?;
         if let Some(feature) = classifier.features().channels().next() {
-            return Err(OnlineError::NoChannel { feature: feature.name });
+            return Err(OnlineError::NoChannel(feature.name));
         }
         let no_region = |feature| OnlineError::NoRegion { feature, patch: image.patch().name.clone() };
         let needs = classifier.features().of_region().next();

@@ -32,7 +32,7 @@ impl<'a> Scores<'a> {
         Scores {
             own: model.decision.as_ref(),
             are_own: hmm.is_none_or(|hmm| hmm.score_kind() == hmm.own_score_kind()),
-            misfit: misfit(hmm.map(|hmm| (hmm.score_kind(), hmm.features(), hmm.scaling().is_some()))),
+            misfit: misfit(hmm.map(|hmm| (hmm.score_kind(), hmm.features(), hmm.scaling.is_some()))),
         }
     }
 
@@ -53,7 +53,7 @@ impl<'a> Scores<'a> {
     /// [`DecisionError::NotThePapers`] if its thresholds do not apply to these scores.
     pub fn paper(&self) -> Result<Rule, DecisionError> {
         let misfit = self.misfit.clone();
-        misfit.map_or(Ok(Decision::paper().rule), |misfit| Err(DecisionError::NotThePapers { misfit }))
+        misfit.map_or(Ok(Decision::paper().rule), |misfit| Err(DecisionError::NotThePapers(misfit)))
     }
 
     /// The decision with this rule and the model's priors. Without a rule, it is the model's own decision.

@@ -265,12 +265,11 @@ fn rows(samples: &[PressSample]) -> Vec<Row> {
     let holds = holds(samples);
     let is_held =
         |time_s: f64| holds.iter().any(|hold| hold[0].time_s < time_s && time_s <= hold[hold.len() - 1].time_s);
-    let row = |window: &[PressSample]| {
-        let [before, PressSample { depth_m: d, force_n, time_s }, after] = *window else { return None };
+    let row = |&[before, PressSample { depth_m: d, force_n, time_s }, after]: &[PressSample; 3]| {
         let speed_m_per_s = (after.depth_m - before.depth_m) / (after.time_s - before.time_s);
         (d > 0.0 && force_n > 0.0 && !is_held(time_s)).then_some(Row { depth_m: d, speed_m_per_s, force_n })
     };
-    samples.windows(3).filter_map(row).collect()
+    samples.array_windows().filter_map(row).collect()
 }
 
 /// Whether the punch only pressed at one speed.

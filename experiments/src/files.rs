@@ -1,16 +1,16 @@
 //! Reads the TOML files of experiments and suites, and finds the lines of their keys for errors; writes the files of results.
 
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use underbrush_recording::{Fault, InputError, TEXT_BYTES, disk, line_at, line_giving, parse_toml, read_text, short};
+use underbrush_recording::disk::{DiskError, write_file};
+use underbrush_recording::{Fault, InputError, TEXT_BYTES, line_at, line_giving, parse_toml, read_text, short};
 
 /// Creates a folder with its parents.
 pub fn create_folder(folder: &Path) -> Result<(), Fault> {
-    std::fs::create_dir_all(folder).map_err(storage(folder, "create"))
+    Ok(std::fs::create_dir_all(folder).map_err(DiskError::io(folder, "create"))?)
 }
 
 /// Creates the folders above a file.
@@ -18,19 +18,10 @@ pub fn create_parents(path: &Path) -> Result<(), Fault> {
     path.parent().map_or(Ok(()), create_folder)
 }
 
-/// Removes a file or folder, if it is there.
-pub fn remove(path: &Path) -> Result<(), Fault> {
-    let removed = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
-    match removed {
-        Err(error) if error.kind() != ErrorKind::NotFound => Err(storage(path, "remove")(error)),
-        _ => Ok(()),
-    }
-}
-
 /// Writes a file completely or not at all, and creates its parent folders.
 pub fn write(path: &Path, contents: &[u8]) -> Result<(), Fault> {
     create_parents(path)?;
-    Ok(disk::write_file(path, contents)?)
+    Ok(write_file(path, contents)?)
 }
 
 /// Writes a value as JSON.
@@ -46,11 +37,6 @@ pub fn write(path: &Path, contents: &[u8]) -> Result<(), Fault> {
 /// ```
 pub fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), Fault> {
     write(path, &serde_json::to_vec_pretty(value).map_err(unwritable(path))?)
-}
-
-/// For `map_err` after calls of the operating system that `create`, `read` or `remove` something.
-pub(crate) fn storage(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Fault {
-    move |source| disk::DiskError::Io { path: path.to_path_buf(), action, source }.into()
 }
 
 /// For `map_err` where a result is written as JSON.

@@ -8,12 +8,11 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use underbrush_recording::Fault;
-use underbrush_recording::disk::is_there;
+use underbrush_recording::disk::{is_there, remove_if_there};
+use underbrush_recording::{DiskError, Fault};
 
 use crate::dataset::PROGRAM_VERSION;
-use crate::files::{self, storage};
-use crate::{Experiment, Progress};
+use crate::{Experiment, Progress, files};
 
 /// Everything that decides the reaches of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -80,7 +79,7 @@ impl Plan {
                     "{place}: another process is at work in this folder; wait for it, or choose another folder with --out"
                 )));
             }
-            FOLDERS.iter().chain(&FILES).try_for_each(|name| files::remove(&out.join(name)))?;
+            FOLDERS.iter().chain(&FILES).try_for_each(|name| remove_if_there(&out.join(name)))?;
         }
         files::write_json(&out.join(FILE), self)?;
         in_use(out)
@@ -100,7 +99,7 @@ impl Plan {
             Ok(bytes) => serde_json::from_slice(&bytes)
                 .map_err(|error| no_plan(format!("a {FILE} that is not the plan of a run ({error})"))),
             Err(error) if error.kind() == ErrorKind::NotFound => Err(no_plan(format!("no {FILE}"))),
-            Err(error) => Err(storage(&path, "read")(error)),
+            Err(error) => Err(DiskError::io(&path, "read")(error).into()),
         }
     }
 
@@ -120,7 +119,7 @@ impl Plan {
 /// The file of the plan, which tells others that the folder is in use. Where the file system has no locks, it tells nothing.
 fn in_use(out: &Path) -> Result<File, Fault> {
     let path = out.join(FILE);
-    let file = File::open(&path).map_err(storage(&path, "read"))?;
+    let file = File::open(&path).map_err(DiskError::io(&path, "read"))?;
     let _ = file.try_lock_shared();
     Ok(file)
 }

@@ -16,8 +16,7 @@ use crate::{Answer, Column, Failure, PyTable, Reported, Skin, Trials, array, giv
 
 /// The absolute path of a set, so that it can still be read after the process has changed its working folder.
 pub fn lasting(path: &Path) -> Result<PathBuf, Failure> {
-    let lost = |source| DiskError::Io { path: path.to_path_buf(), action: "find", source }.into();
-    std::path::absolute(path).map_err(lost)
+    Ok(std::path::absolute(path).map_err(DiskError::io(path, "find"))?)
 }
 
 /// A finished data set. It reads only what is asked for, reach by reach and column by column.

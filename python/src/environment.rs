@@ -83,7 +83,7 @@ impl PyEnvironments {
         }
         let environments = Environments::new(&plan, &options, count)?;
         Ok(PyEnvironments {
-            parts: environments.all()[0].parts().to_vec(),
+            parts: environments.all[0].parts.clone(),
             count,
             action_size: environments.action_size(),
             jobs,
@@ -109,7 +109,7 @@ impl PyEnvironments {
         camera: Option<&PyCamera>,
     ) -> Result<Option<Bound<'py, PyAny>>, Failure> {
         let state = self.lock()?;
-        let shown = state.environments.all().get(index).and_then(|own| own.simulation().zip(own.frame()));
+        let shown = state.environments.all.get(index).and_then(|own| own.simulation().zip(own.frame()));
         let Some((simulation, frame)) = shown else { return Ok(None) };
         picture::draw(py, (simulation, &frame), (width, height), camera, "rgb").map(Some)
     }

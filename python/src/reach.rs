@@ -280,7 +280,7 @@ impl Reach {
     /// What the numbers of a segmentation mean, as in ``Simulation.labels``.
     #[getter]
     fn labels(&self) -> Result<Vec<String>, Failure> {
-        Ok(Stage::of(&*self.recording()?, None)?.labels().to_vec())
+        Ok(Stage::of(&*self.recording()?, None)?.labels)
     }
 
     /// The skin.

@@ -115,8 +115,7 @@ impl Mesh {
     pub fn ribbon(blade: &Blade) -> Self {
         let mut mesh = Mesh::default();
         let knots = blade.knots();
-        for (index, (pair, piece)) in knots.windows(2).zip(&blade.pieces).enumerate() {
-            let ([from, to], length_m) = ([&pair[0], &pair[1]], piece.length_m);
+        for (index, ([from, to], piece)) in knots.array_windows().zip(&blade.pieces).enumerate() {
             let last = index + 2 == knots.len();
             for step in 0..STEPS + usize::from(last) {
                 let even = step as f64 / STEPS as f64;
@@ -129,7 +128,7 @@ impl Mesh {
                 let narrow = if last { (1.0 - t2 * t2).sqrt() } else { 1.0 };
                 let across = from.half_world.lerp(to.half_world, t);
                 let front = across.cross(from.tangent_world.lerp(to.tangent_world, t)).normalize_or_zero();
-                let (side, middle) = (across * narrow, ends + slopes * length_m);
+                let (side, middle) = (across * narrow, ends + slopes * piece.length_m);
                 let tilt = across.normalize_or_zero() * (2.0 * RIB);
                 mesh.vertices.extend([
                     (middle - side, front - tilt),

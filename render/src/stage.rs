@@ -42,7 +42,9 @@ pub struct Stage<'a> {
     parts: Vec<Part>,
     layout: &'a SkinLayout,
     map: &'a [MappedObstacle],
-    labels: Vec<String>,
+    /// What the numbers of [`Scene::depth_and_labels`] mean: 0 is the background, 1 the table; then follow links and
+    /// objects with their numbers and categories, in the order of the recording's bodies.
+    pub labels: Vec<String>,
     /// Points of everything that the camera should see, m, world frame.
     seen: Vec<DVec3>,
     table: Option<(Mesh, Pose)>,
@@ -159,7 +161,7 @@ impl<'a> Stage<'a> {
         aspect: f64,
         has_arrows: bool,
     ) -> Result<(Scene, Camera, Vec<String>), RenderError> {
-        let (bodies, clutter) = (BodyLog::now(simulation).finish(), simulation.clutter());
+        let (bodies, clutter) = (BodyLog::now(simulation).bodies, simulation.clutter());
         let layout = &simulation.arm().skin.layout;
         let stage = Stage::new(&bodies, &clutter.records(), layout, LIVE_N, &clutter.goals)?;
         let stage = Stage { has_arrows, ..stage };
@@ -193,12 +195,6 @@ impl<'a> Stage<'a> {
             let center = ((low + high) / 2.0).with_z(top - 0.5 * TABLE_M);
             (Mesh::of(&BodyShape::Box { size_m }), Pose::from_position(center))
         });
-    }
-
-    /// What the numbers of [`Scene::depth_and_labels`] mean: 0 is the background, 1 the table; then follow links and
-    /// objects with their numbers and categories, in the order of the recording's bodies.
-    pub fn labels(&self) -> &[String] {
-        &self.labels
     }
 
     /// A camera that sees everything, for a picture with this ratio of width to height.

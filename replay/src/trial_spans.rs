@@ -63,8 +63,7 @@ pub fn check(path: &Path, reach: u64, trials: &[&Trial], spans: &Spans) -> Resul
     });
     let mut placed: Vec<Placed> = placed.collect();
     placed.sort_by_key(|placed| (placed.taxel, placed.first));
-    for pair in placed.windows(2).filter(|pair| pair[0].taxel == pair[1].taxel) {
-        let (before, after) = (&pair[0], &pair[1]);
+    for [before, after] in placed.array_windows().filter(|[before, after]| before.taxel == after.taxel) {
         let (number, other) = (after.trial.trial, before.trial.trial);
         if after.first <= before.last {
             let found = format!("trial {number} in reach {reach} before trial {other} of the same taxel has ended");

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use underbrush_experiments::experiment::campaigns;
-use underbrush_experiments::files::{remove, write, write_json};
+use underbrush_experiments::files::{write, write_json};
 use underbrush_experiments::run_folder::Plan;
 use underbrush_experiments::{Experiment, Progress, Results, Session, audit, online_models, training};
 use underbrush_recording::Fault;
-use underbrush_recording::disk::write_trials;
+use underbrush_recording::disk::{remove_if_there, write_trials};
 
 use crate::{Written, replayed};
 
@@ -50,7 +50,7 @@ impl Reproduction<'_> {
         // An earlier run of several campaigns has left their tables.
         for entry in std::fs::read_dir(folder.join("csv")).into_iter().flatten().flatten() {
             if entry.file_name().to_string_lossy().starts_with("campaign") {
-                remove(&entry.path())?;
+                remove_if_there(&entry.path())?;
             }
         }
         for (path, bytes) in &report.files {

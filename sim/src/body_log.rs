@@ -20,8 +20,8 @@ pub fn link_bodies(arm: &Arm, poses_world: &[Pose]) -> Vec<Body> {
 /// Follows all bodies, frame by frame.
 #[derive(Clone)]
 pub struct BodyLog {
-    /// The links of the arm, base first, then the bodies of the objects, object by object.
-    bodies: Vec<Body>,
+    /// All bodies with their poses: the links of the arm, base first, then the bodies of the objects, object by object.
+    pub bodies: Vec<Body>,
     /// For each body of an object, the object and the body's index in it.
     places: Vec<(usize, usize)>,
     /// Poses in the last frame, world frame; `None` before the first.
@@ -63,11 +63,6 @@ impl BodyLog {
                 body.observe(report.frame, pose);
             }
         }
-    }
-
-    /// All bodies with their poses.
-    pub fn finish(self) -> Vec<Body> {
-        self.bodies
     }
 }
 

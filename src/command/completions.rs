@@ -41,11 +41,8 @@ pub fn run(options: CompletionsOptions, json: bool) -> Result<(), Failure> {
     }
     program = program.disable_help_subcommand(true);
     program.build();
-    std::fs::create_dir_all(&folder).and_then(|()| write_pages(&program, &folder)).map_err(|source| DiskError::Io {
-        path: folder.clone(),
-        action: "write",
-        source,
-    })?;
+    let written = std::fs::create_dir_all(&folder).and_then(|()| write_pages(&program, &folder));
+    written.map_err(DiskError::io(&folder, "write"))?;
     let folder = folder.display().to_string();
     output::result(json, &json!({ "manual": folder }), || format!("Wrote the manual pages to {folder}"))
 }

@@ -90,18 +90,17 @@ fn require_recordings(folder: &Path) -> Result<(), Failure> {
 fn write_recordings(folder: &Path, recordings: &[Recording]) -> Result<(), Failure> {
     // The folder itself, if the path is a link or leads through it, as `..` does within it.
     let folder = &std::fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf());
-    let failed = |source: std::io::Error| DiskError::Io { path: folder.clone(), action: "write", source };
     let beside = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let temporary = UnfinishedFolder::within(beside).map_err(failed)?;
+    let temporary = UnfinishedFolder::within(beside).map_err(DiskError::io(folder, "write"))?;
     // The temporary folder is for its owner alone, but not what is in it.
     let written = temporary.path().join("recordings");
-    std::fs::create_dir(&written).map_err(failed)?;
+    std::fs::create_dir(&written).map_err(DiskError::io(folder, "write"))?;
     for recording in recordings {
         write_recording(&written.join(format!("reach-{:06}.parquet", recording.reach_index)), recording)?;
     }
     if folder.is_dir() {
         // It is removed with the temporary folder, so that none is left that has lost some of its recordings.
-        std::fs::rename(folder, temporary.path().join("before")).map_err(failed)?;
+        std::fs::rename(folder, temporary.path().join("before")).map_err(DiskError::io(folder, "write"))?;
     }
-    Ok(std::fs::rename(&written, folder).map_err(failed)?)
+    Ok(std::fs::rename(&written, folder).map_err(DiskError::io(folder, "write"))?)
 }

@@ -33,7 +33,7 @@ pub fn run(options: MergeOptions, json: bool) -> Result<(), Failure> {
     check_outside(&out, &parts)?;
     make_room(&out, overwrite.force)?;
     interrupt::kept("what is complete is", &out, overwrite.again());
-    let bar = progress::bar(shards.plan().episodes.len() as u64, "reaches");
+    let bar = progress::bar(shards.plan.episodes.len() as u64, "reaches");
     let dataset = match shards.merge(&out, resume, move || bar.inc(1)) {
         // With `resume`, this means that the set has the same plan.
         Err(DiskError::Finished { .. }) if resume => {

@@ -143,7 +143,7 @@ fn force_at(way: &[Point], time_s: f64) -> f64 {
 
 /// ∫ F dx of each step along the path.
 fn works(way: &[Point]) -> impl Iterator<Item = f64> {
-    way.windows(2).map(|pair| 0.5 * (pair[0].force + pair[1].force) * (pair[1].place - pair[0].place))
+    way.array_windows().map(|[from, to]| 0.5 * (from.force + to.force) * (to.place - from.place))
 }
 
 /// One step of a driven path.

@@ -140,10 +140,10 @@ fn at_rest(mut step: impl FnMut(u32) -> (DVec3, bool)) -> Result<DVec3, Fault> {
 /// When it does not vibrate for two periods.
 pub fn measure_vibration(displacement: &[f64], step_s: f64) -> Result<(f64, f64), Fault> {
     let rising: Vec<f64> = displacement
-        .windows(2)
+        .array_windows()
         .enumerate()
-        .filter(|(_, pair)| pair[0] < 0.0 && pair[1] >= 0.0)
-        .map(|(index, pair)| (index as f64 - pair[0] / (pair[1] - pair[0])) * step_s)
+        .filter(|(_, [before, after])| *before < 0.0 && *after >= 0.0)
+        .map(|(index, [before, after])| (index as f64 - before / (after - before)) * step_s)
         .collect();
     if rising.len() < 3 {
         return Err(Fault::Run(format!("{} zeros in the vibration", rising.len())));

@@ -228,7 +228,7 @@ fn deviations(by_category: &TrialsByCategory, features: FeatureSet) -> Result<Ve
     for trials in by_category.values() {
         for trial in trials {
             if trial.samples.is_empty() {
-                return Err(FeatureError::Empty { trial: trial.trial });
+                return Err(FeatureError::Empty(trial.trial));
             }
             let weight = 1.0 / (by_category.len() * trials.len() * trial.samples.len()) as f64;
             for (place, sample) in trial.samples.iter().enumerate() {

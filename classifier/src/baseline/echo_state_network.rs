@@ -126,7 +126,7 @@ impl Baseline for EchoStateNetwork {
         for (category, trials) in by_category.values().enumerate() {
             for trial in trials {
                 if trial.samples.is_empty() {
-                    return Err(FeatureError::Empty { trial: trial.trial }.into());
+                    return Err(FeatureError::Empty(trial.trial).into());
                 }
                 let weight = 1.0 / (by_category.len() * trials.len() * trial.samples.len()) as f64;
                 let mut state = DVector::zeros(size);

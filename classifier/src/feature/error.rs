@@ -52,12 +52,9 @@ fn remedy(feature: &Feature) -> String {
 /// What is wrong with a trial, a matrix of observations or a list of features.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FeatureError {
-    /// The trial has no samples.
-    #[error("trial {trial} has no samples; remove it from the table")]
-    Empty {
-        /// Number of the trial in its table.
-        trial: u64,
-    },
+    /// The trial of this number in its table has no samples.
+    #[error("trial {0} has no samples; remove it from the table")]
+    Empty(u64),
     /// A sample cannot be used.
     #[error("trial {trial}, sample {sample} (from 0) {fault}")]
     BadSample {
@@ -76,32 +73,18 @@ pub enum FeatureError {
         /// Expected numbers per sample.
         dimension: usize,
     },
-    /// A feature that never varies cannot be divided by its standard deviation.
-    #[error(
-        "{feature} has the same value in all samples, so it cannot be z-scored; use unscaled features or leave it out"
-    )]
-    Constant {
-        /// Column of the feature.
-        feature: String,
-    },
+    /// A feature with this column that never varies cannot be divided by its standard deviation.
+    #[error("{0} has the same value in all samples, so it cannot be z-scored; use unscaled features or leave it out")]
+    Constant(String),
     /// A name that no feature has.
-    #[error("the feature {found:?} is unknown; known features are {}", known())]
-    Unknown {
-        /// The name found.
-        found: String,
-    },
-    /// A feature listed twice.
-    #[error("the feature {found} is listed twice; list each feature once")]
-    Repeated {
-        /// Name of the feature.
-        found: &'static str,
-    },
-    /// More features than a classifier can have.
-    #[error("too many features are listed; list at most {allowed}")]
-    TooMany {
-        /// The largest number of features.
-        allowed: usize,
-    },
+    #[error("the feature {0:?} is unknown; known features are {list}", list = known())]
+    Unknown(String),
+    /// A feature of this name that is listed twice.
+    #[error("the feature {0} is listed twice; list each feature once")]
+    Repeated(&'static str),
+    /// More features than the largest number that a classifier can have.
+    #[error("too many features are listed; list at most {0}")]
+    TooMany(usize),
     /// An empty list.
     #[error("no features are listed; list at least one of {}", known())]
     NoFeatures,

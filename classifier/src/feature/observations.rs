@@ -90,7 +90,7 @@ impl Scaling {
             let largest = samples().map(|sample| sample[d].abs()).fold(0.0, f64::max);
             // A constant column leaves only the rounding of its mean, about 1e-16 of its size.
             if variance.is_nan() || variance.sqrt() <= 1e-14 * largest {
-                return Err(FeatureError::Constant { feature: (*column).to_owned() });
+                return Err(FeatureError::Constant((*column).to_owned()));
             }
             scaling.mean.push(mean);
             scaling.standard_deviation.push(variance.sqrt());

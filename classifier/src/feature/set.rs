@@ -60,11 +60,11 @@ impl FeatureSet {
         let mut features = [None; MOST];
         for (index, name) in names.iter().enumerate() {
             let name = name.as_ref();
-            let feature = Feature::find(name).ok_or_else(|| FeatureError::Unknown { found: name.to_owned() })?;
+            let feature = Feature::find(name).ok_or_else(|| FeatureError::Unknown(name.to_owned()))?;
             if features.contains(&Some(feature)) {
-                return Err(FeatureError::Repeated { found: feature.name });
+                return Err(FeatureError::Repeated(feature.name));
             }
-            *features.get_mut(index).ok_or(FeatureError::TooMany { allowed: MOST })? = Some(feature);
+            *features.get_mut(index).ok_or(FeatureError::TooMany(MOST))? = Some(feature);
         }
         match features[0] {
             None => Err(FeatureError::NoFeatures),
@@ -167,7 +167,7 @@ impl FeatureSet {
     pub fn observations(&self, trial: &Trial, max_samples: Option<usize>) -> Result<Observations, FeatureError> {
         let count = trial.samples.len().min(max_samples.unwrap_or(usize::MAX));
         if count == 0 {
-            return Err(FeatureError::Empty { trial: trial.trial });
+            return Err(FeatureError::Empty(trial.trial));
         }
         let dimension = self.dimension();
         let mut values = vec![0.0; count * dimension];

@@ -33,15 +33,15 @@ fn names_columns_and_text_agree() {
 /// Tests the errors for invalid lists, including a list longer than [`FEATURES`].
 #[test]
 fn bad_lists_are_refused() {
-    let unknown = FeatureError::Unknown { found: "warmth".into() };
+    let unknown = FeatureError::Unknown("warmth".into());
     assert_eq!("force,warmth".parse::<FeatureSet>(), Err(unknown.clone()));
     assert!(unknown.to_string().contains("force, motion, area"), "{unknown}");
     let twice = [FEATURES.map(|feature| feature.name), FEATURES.map(|feature| feature.name)].concat();
-    assert_eq!(FeatureSet::from_names(&twice), Err(FeatureError::Repeated { found: "force" }));
+    assert_eq!(FeatureSet::from_names(&twice), Err(FeatureError::Repeated("force")));
     assert_eq!(FeatureSet::from_names::<&str>(&[]), Err(FeatureError::NoFeatures));
     // A model of such a channel could be fitted but not saved.
     for found in ["column:a+b", "column:a,b"] {
-        assert_eq!(FeatureSet::from_names(&[found]), Err(FeatureError::Unknown { found: found.into() }));
+        assert_eq!(FeatureSet::from_names(&[found]), Err(FeatureError::Unknown(found.into())));
     }
 }
 
@@ -103,7 +103,7 @@ fn bad_trials_are_named() {
     let error = FeatureSet::FORCE_AND_MOTION.observations(&nan, None).unwrap_err();
     assert!(error.to_string().contains("trial 7, sample 1 (from 0) has motion_m = NaN"), "{error}");
     assert!(FeatureSet::FORCE_AND_MOTION.observations(&nan, Some(1)).is_ok());
-    assert_eq!(FeatureSet::FORCE.observations(&trial(&[]), None), Err(FeatureError::Empty { trial: 7 }));
+    assert_eq!(FeatureSet::FORCE.observations(&trial(&[]), None), Err(FeatureError::Empty(7)));
     assert!(Observations::new(2, vec![1.0, 2.0, 3.0]).is_err());
     assert!(Observations::new(1, vec![f64::INFINITY]).is_err());
 }
@@ -119,7 +119,7 @@ fn scaling_gives_zero_mean_and_unit_deviation() {
     scaling.apply_all(&mut last);
     assert!((last.sample(1)[0] - 3.0 / 3.5f64.sqrt()).abs() < 1e-15);
     let constant = [Observations::new(1, vec![0.1; 7]).unwrap()];
-    assert_eq!(Scaling::fit(&["force_n"], constant.iter()), Err(FeatureError::Constant { feature: "force_n".into() }));
+    assert_eq!(Scaling::fit(&["force_n"], constant.iter()), Err(FeatureError::Constant("force_n".into())));
 }
 
 /// Tests how channels are named: as features and in files `column:NAME`, a known column by its feature, and nothing without a
@@ -142,5 +142,5 @@ fn any_column_can_be_a_feature() {
     let error = "column:touched".parse::<FeatureSet>().unwrap_err().to_string();
     assert!(error.contains("except trial, category") && error.contains("touched"), "{error}");
     let many: Vec<String> = (0..25).map(|index| format!("column:c{index}")).collect();
-    assert_eq!(FeatureSet::from_names(&many), Err(FeatureError::TooMany { allowed: 24 }));
+    assert_eq!(FeatureSet::from_names(&many), Err(FeatureError::TooMany(24)));
 }

@@ -64,7 +64,7 @@ impl HmmClassifier {
             let own = trials.iter().filter(|trial| trial.category.as_ref() == Some(category));
             let sequences = own.map(|trial| start.sequence(trial)).collect::<Result<Vec<_>, _>>()?;
             if sequences.is_empty() {
-                return Err(ModelError::NoTrials { category: category.clone() });
+                return Err(ModelError::NoTrials(category.clone()));
             }
             with_category(category.clone(), train(&model.model, &sequences, options))
         });

@@ -71,7 +71,8 @@ pub struct HmmClassifier {
     features: FeatureSet,
     /// Prepared for scoring once, when the classifier is made.
     models: BTreeMap<String, Scorer>,
-    scaling: Option<Scaling>,
+    /// The scaling of the features, if the models were trained on scaled ones.
+    pub(crate) scaling: Option<Scaling>,
     /// The kind of score that was chosen instead of the recipe's. Model files do not store this choice.
     pub score: Option<ScoreKind>,
     /// The recipe of the models, if known; models made elsewhere have none.
@@ -110,11 +111,6 @@ impl HmmClassifier {
     /// The models by category, prepared for scoring.
     pub fn models(&self) -> &BTreeMap<String, Scorer> {
         &self.models
-    }
-
-    /// The scaling of the features, if the models were trained on scaled ones.
-    pub fn scaling(&self) -> Option<&Scaling> {
-        self.scaling.as_ref()
     }
 
     /// The kind of score: the one in [`HmmClassifier::score`]; if none was chosen, the recipe's; without a

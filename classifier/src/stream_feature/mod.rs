@@ -123,7 +123,7 @@ pub(crate) fn after<S, E: From<FeatureError>>(
     values: impl Fn(&mut S) -> Result<Vec<f64>, E>,
 ) -> Result<Vec<Vec<f64>>, E> {
     if trial.samples.is_empty() {
-        return Err(FeatureError::Empty { trial: trial.trial }.into());
+        return Err(FeatureError::Empty(trial.trial).into());
     }
     let mut found = Vec::with_capacity(counts.len());
     let mut taken = 0;

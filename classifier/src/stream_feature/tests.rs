@@ -118,5 +118,5 @@ fn what_is_missing_is_named() {
     assert_eq!(after(&bare), bad(0, fault("time_s")));
     bare.samples[0].force_n = f64::INFINITY;
     assert_eq!(after(&bare), bad(0, fault("force_n")));
-    assert_eq!(after(&trial(&[])), FeatureError::Empty { trial: 3 });
+    assert_eq!(after(&trial(&[])), FeatureError::Empty(3));
 }

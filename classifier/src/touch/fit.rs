@@ -40,7 +40,7 @@ impl TouchExamples {
         }
         let categories = self.categories();
         if categories.is_empty() {
-            return Err(ModelError::NoCategories { trials });
+            return Err(ModelError::NoCategories(trials));
         }
         let folds = self.folds();
         if !self.fill(&folds) {
@@ -55,7 +55,7 @@ impl TouchExamples {
         let regions: Vec<&Judged> = held_out.iter().flat_map(|(_, regions)| regions).collect();
         // Rows of regions are not taken in every frame, so short touches may leave none.
         if regions.is_empty() {
-            return Err(ModelError::NoCategories { trials });
+            return Err(ModelError::NoCategories(trials));
         }
         let all: Vec<&Examples> = self.reaches.iter().map(Arc::as_ref).collect();
         let (touched, category) = rayon::join(|| touched_network(&all), || category_network(&all, &categories));

@@ -213,7 +213,7 @@ fn judged(
     let (mut evaluation, categories) = (TouchEvaluation::default(), examples.categories());
     for fold in 0..2 {
         let model = match examples.some(|index| fitted[index].0 != fold).fit(None) {
-            Err(ModelError::NoCategories { .. } | ModelError::Mismatch { .. }) => return Ok((0, None)),
+            Err(ModelError::NoCategories(_) | ModelError::Mismatch { .. }) => return Ok((0, None)),
             // Verdicts of models of different categories cannot be counted together.
             Ok(model) if model.categories() != categories => return Ok((0, None)),
             model => Arc::new(model?),

@@ -134,7 +134,7 @@ impl From<DiskError> for Fault {
 
 impl DiskError {
     /// For `map_err` after calls of the operating system, and of libraries whose errors wrap its errors.
-    pub(super) fn io<E: Into<io::Error>>(path: &Path, action: &'static str) -> impl FnOnce(E) -> DiskError {
+    pub fn io<E: Into<io::Error>>(path: &Path, action: &'static str) -> impl FnOnce(E) -> DiskError {
         let path = path.to_path_buf();
         move |error| DiskError::Io { path, action, source: error.into() }
     }

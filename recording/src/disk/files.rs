@@ -175,7 +175,10 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), DiskError> {
 }
 
 /// Removes a file or a folder with all that it holds, if it is there.
-pub(super) fn remove_if_there(path: &Path) -> Result<()> {
+///
+/// # Errors
+/// [`DiskError::Io`] if it cannot be removed.
+pub fn remove_if_there(path: &Path) -> Result<(), DiskError> {
     let removed = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
     match removed {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(DiskError::io(path, "remove")(error)),

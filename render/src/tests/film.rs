@@ -77,7 +77,7 @@ fn a_simulation_is_drawn_like_its_recording() {
     let (now, camera, labels) = Stage::now(&simulation, &frame, None, size.aspect(), false).unwrap();
     assert_eq!(camera, first);
     let stage = Stage::of(&recording, None).unwrap();
-    assert_eq!(labels, stage.labels());
+    assert_eq!(labels, stage.labels);
     let (depth, seen) = now.depth_and_labels(&camera, size).unwrap();
     let (recorded_depth, recorded) = stage.moment(60, &frame).depth_and_labels(&camera, size).unwrap();
     let bodies = (0..seen.len()).filter(|pixel| seen[*pixel] > 1 || recorded[*pixel] > 1);

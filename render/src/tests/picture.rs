@@ -98,7 +98,7 @@ fn a_ball_covers_its_ellipse() {
     let camera = camera(DVec3::new(0.2, -0.3, 0.0));
     let size = Size { width: 1000, height: 800 };
     let labels = stage.moment(0, &frame()).depth_and_labels(&camera, size).unwrap().1;
-    assert_eq!(stage.labels(), ["background", "table", "link arm", "object 0 trunk"]);
+    assert_eq!(stage.labels, ["background", "table", "link arm", "object 0 trunk"]);
     let count = |label: u16| labels.iter().filter(|own| **own == label).count();
     let from = center - camera.eye_world;
     let z = from.dot((camera.target_world - camera.eye_world).normalize());

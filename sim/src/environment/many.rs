@@ -11,7 +11,8 @@ use crate::reach::{ReachError, ReachPlan};
 
 /// Environments that step at once, on several threads. Each gives the same numbers that it would give alone.
 pub struct Environments {
-    all: Vec<Environment>,
+    /// The environments, in the order of their numbers.
+    pub all: Vec<Environment>,
 }
 
 impl Environments {
@@ -26,11 +27,6 @@ impl Environments {
             Environment::new(plan, options.clone())
         };
         Ok(Environments { all: (0..count).map(one).collect::<Result<_, _>>()? })
-    }
-
-    /// The environments, in the order of their numbers.
-    pub fn all(&self) -> &[Environment] {
-        &self.all
     }
 
     /// How many numbers an observation has.

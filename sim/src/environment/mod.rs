@@ -59,7 +59,8 @@ pub struct Stepped {
 pub struct Environment {
     plan: ReachPlan,
     options: EnvironmentOptions,
-    parts: Vec<Part>,
+    /// The parts of an observation.
+    pub parts: Vec<Part>,
     /// The index of the next reach.
     next: u64,
     episode: Option<Episode>,
@@ -90,11 +91,6 @@ impl Environment {
             return Err(InputError::new("the environment", "goals", found, allowed, "ask for fewer goals"));
         }
         Ok(Environment { parts: observation::parts(&plan.arm), plan, options, next: 0, episode: None })
-    }
-
-    /// The parts of an observation.
-    pub fn parts(&self) -> &[Part] {
-        &self.parts
     }
 
     /// How many numbers an observation has.

@@ -91,7 +91,7 @@ fn rewards_follow_their_definition() {
 /// A waypoint in the direction of the goal.
 fn towards(environment: &Environment, row: &[f32]) -> Vec<f64> {
     let place = |name: &str| {
-        let part = environment.parts().iter().find(|part| part.name == name).unwrap();
+        let part = environment.parts.iter().find(|part| part.name == name).unwrap();
         row[part.first..part.first + 3].to_vec()
     };
     let (hand, goal) = (place("end_effector_position_world"), place("goal_position_world"));
@@ -117,7 +117,7 @@ fn observations_hold_what_the_skin_senses() {
             break;
         };
         let patches = simulation.arm().skin.layout.patches.len();
-        let tactile = &environment.parts()[environment.parts().len() - patches..];
+        let tactile = &environment.parts[environment.parts.len() - patches..];
         for reading in &simulation.report().tactile.taxels {
             let part = &tactile[usize::from(reading.patch)];
             let [low, high] = part.range;

@@ -64,7 +64,7 @@ impl ReachLog {
 
     /// The finished recording.
     pub(super) fn finish(mut self, arm: &Arm) -> Recording {
-        self.recording.bodies = self.bodies.finish();
+        self.recording.bodies = self.bodies.bodies;
         self.recording.contacts = self.contacts.finish(|link| arm.links[usize::from(link)].name.clone());
         self.recording.audit = self.auditor.audit();
         self.recording

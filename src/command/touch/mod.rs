@@ -125,7 +125,7 @@ pub fn train(
 /// A model fitted to these rows.
 fn fit(examples: &TouchExamples, options: &TouchOptions, limit_wrong: Option<f64>) -> Result<TouchModel, Failure> {
     examples.fit(limit_wrong).map_err(|error| match error {
-        ModelError::NoCategories { .. } => {
+        ModelError::NoCategories(_) => {
             let (place, other_patch) = match &options.patch {
                 None => ("the skin".to_owned(), ""),
                 Some(name) => (format!("patch {name}"), "choose another --patch, "),

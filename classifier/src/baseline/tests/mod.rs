@@ -201,11 +201,11 @@ fn trials_that_cannot_be_fitted_are_refused() {
     for (name, estimator) in estimators().into_iter().skip(1) {
         let blind: Vec<Trial> = trials.iter().cloned().map(|trial| Trial { category: None, ..trial }).collect();
         let error = estimator.fit(&blind.iter().collect::<Vec<_>>()).err();
-        assert_eq!(error, Some(ModelError::NoCategories { trials: 60 }), "{name}");
+        assert_eq!(error, Some(ModelError::NoCategories(60)), "{name}");
         let mut hollow = trials.clone();
         hollow[7].samples.clear();
         let error = estimator.fit(&hollow.iter().collect::<Vec<_>>()).err();
-        let empty = FeatureError::Empty { trial: hollow[7].trial };
+        let empty = FeatureError::Empty(hollow[7].trial);
         assert_eq!(error, Some(ModelError::Feature(empty)), "{name}");
     }
     trials[0].samples[2].region = None;

@@ -54,7 +54,7 @@ impl Baseline for NearestMean {
 
     fn learn(&self, trials: &TrialsByCategory) -> Result<Parameters, ModelError> {
         if let Some(empty) = trials.values().flatten().find(|trial| trial.samples.is_empty()) {
-            return Err(FeatureError::Empty { trial: empty.trial }.into());
+            return Err(FeatureError::Empty(empty.trial).into());
         }
         let after = |trial: &Trial, samples: usize| trial.samples[samples.min(trial.samples.len() - 1)].force_n;
         let mean = |trials: &Vec<&Trial>, samples: usize| {

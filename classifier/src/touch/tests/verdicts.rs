@@ -30,7 +30,7 @@ fn too_little_to_fit_to_is_refused() {
     for _ in 0..3 {
         examples.add(&presses(0, STIFFNESS_N_PER_M[0], 0.0, 0.06)).unwrap();
     }
-    assert_eq!(examples.fit(None), Err(ModelError::NoCategories { trials: 3 }));
+    assert_eq!(examples.fit(None), Err(ModelError::NoCategories(3)));
     examples.add(&reaches()[0]).unwrap();
     let error = examples.fit(None).unwrap_err().to_string();
     assert!(error.contains("touches the skin in one of 4 recordings; allowed: 2"), "{error}");

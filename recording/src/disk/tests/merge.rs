@@ -86,7 +86,7 @@ fn parts_merge_into_the_undivided_set() {
         let merged = folder.path().join(format!("merged-{count}"));
         let mut reaches = 0;
         let shards = Shards::open(&parts).unwrap();
-        let writer = begin(&merged, shards.plan(), false).unwrap();
+        let writer = begin(&merged, &shards.plan, false).unwrap();
         let set = shards.merge_with(writer, || reaches += 1);
         set.unwrap().verify().unwrap();
         assert_eq!(reaches, 11);
@@ -96,7 +96,7 @@ fn parts_merge_into_the_undivided_set() {
     for killed_at in [0, 4, 7, 10] {
         let merged = folder.path().join(format!("killed-{killed_at}"));
         let shards = Shards::open(&parts).unwrap();
-        let writer = begin(&merged, shards.plan(), false).unwrap();
+        let writer = begin(&merged, &shards.plan, false).unwrap();
         let reaches = campaign();
         let killed = writer.finish_from(|position| match position {
             position if position == killed_at => Err(DiskError::Finished(merged.clone())),
@@ -105,7 +105,7 @@ fn parts_merge_into_the_undivided_set() {
         assert!(matches!(killed, Err(DiskError::Finished { .. })));
         let fresh = shards.merge(&merged, false, || ());
         assert!(matches!(fresh, Err(DiskError::Unfinished { .. })), "{fresh:?}");
-        let writer = begin(&merged, shards.plan(), true).unwrap();
+        let writer = begin(&merged, &shards.plan, true).unwrap();
         shards.merge_with(writer, || ()).unwrap();
         assert!(contents(&merged) == whole, "killed at {killed_at}");
     }

@@ -62,8 +62,8 @@ impl DatasetWriter {
 pub struct Shards {
     /// Part 1 first.
     parts: Vec<Dataset>,
-    /// The plan of the whole.
-    plan: DatasetPlan,
+    /// The plan of the whole campaign.
+    pub plan: DatasetPlan,
 }
 
 /// The largest number of missing parts that an error names.
@@ -177,11 +177,6 @@ impl Shards {
         plan.provenance.shard = None;
         plan.episodes = joined(&parts, &plan)?;
         Ok(Shards { parts, plan })
-    }
-
-    /// The plan of the whole campaign.
-    pub fn plan(&self) -> &DatasetPlan {
-        &self.plan
     }
 
     /// Writes the set that one process would have made, byte for byte, into an empty or new folder. With `resume` it
