@@ -68,8 +68,9 @@ impl Document {
             (true, place, Some(key)) => format!("{place}.{key}"),
             (true, place, None) => place.to_owned(),
         };
+        let found = if error.is_data() { found } else { format!("unreadable JSON: {found}") };
         let allowed = format!("a model file of format {}", self.format);
-        InputError::new(&self.path, field, &found, allowed, REMEDY).at_line(error.line())
+        InputError::new(&self.path, field, found, allowed, REMEDY).at_line(error.line())
     }
 
     /// The error about one field.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use underbrush_recording::disk::Episode;
+use underbrush_recording::limits::two_digits;
 use underbrush_recording::{Audit, GoalOutcomes, NamedStop, Recording, SkinLayout};
 use underbrush_sim::audit::{Bound, bounds, exceeds};
 
@@ -125,12 +126,14 @@ type Audited<'a> = (&'a str, u64, &'a Audit);
 /// let layout = SkinLayout::default();
 /// assert!(exceeded_bounds(&Audit::default(), &layout).is_empty());
 /// let bad = Audit { largest_contact_residual: 0.5, ..Audit::default() };
-/// assert!(exceeded_bounds(&bad, &layout)[0].starts_with("largest_contact_residual is 5.0e-1"));
+/// assert!(exceeded_bounds(&bad, &layout)[0].starts_with("largest_contact_residual is 0.5; the bound is "));
 /// ```
 pub fn exceeded_bounds(audit: &Audit, layout: &SkinLayout) -> Vec<String> {
     let values = bounds(layout).map(|Bound { field, max, .. }| (field.name, (field.get)(audit), max));
     let exceeded = values.filter(|(_, value, max)| exceeds(*value, *max));
-    exceeded.map(|(name, value, max)| format!("{name} is {value:.1e}; the bound is {max:.1e}")).collect()
+    exceeded
+        .map(|(name, value, max)| format!("{name} is {}; the bound is {}", two_digits(value), two_digits(max)))
+        .collect()
 }
 
 /// Warnings about reaches of a data set that exceed a bound of the audit, with the worst value, and about skin that nothing
@@ -173,8 +176,10 @@ fn passed_bounds(reaches: &[Audited], layout: &SkinLayout) -> Vec<String> {
         let (name, count, all, largest) = (field.name, exceeding.len(), reaches.len(), value(worst));
         let (scene, reach_index, _) = worst;
         Some(format!(
-            "warning: {name} exceeds {max:.1e} in {count} of {all} reaches, most in reach {reach_index} of {scene}: \
-             {largest:.1e} (the bound: {reason})"
+            "warning: {name} exceeds {} in {count} of {all} reaches, most in reach {reach_index} of {scene}: {} (the bound: \
+             {reason})",
+            two_digits(max),
+            two_digits(largest)
         ))
     };
     let failed: u64 = reaches.iter().map(|(_, _, audit)| u64::from(audit.failed_controller_steps)).sum();
@@ -196,7 +201,7 @@ mod tests {
     fn nan_is_the_worst() {
         let layout = SkinLayout::default();
         let [large, nan] = [0.5, -f64::NAN].map(|energy_residual| Audit { energy_residual, ..Audit::default() });
-        assert_eq!(exceeded_bounds(&nan, &layout), ["energy_residual is NaN; the bound is 2.0e-2"]);
+        assert_eq!(exceeded_bounds(&nan, &layout), ["energy_residual is NaN; the bound is 0.02"]);
         let found = passed_bounds(&[("leaf", 0, &nan), ("leaf", 1, &large)], &layout);
         assert!(found.len() == 1 && found[0].contains("in 2 of 2 reaches, most in reach 0 of leaf: NaN"), "{found:?}");
     }
@@ -215,7 +220,7 @@ mod tests {
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(
             found[0].starts_with(
-                "warning: deepest_penetration_m exceeds 1.0e-2 in 2 of 3 reaches, most in reach 1 of leaf: 7.5e-1"
+                "warning: deepest_penetration_m exceeds 0.01 in 2 of 3 reaches, most in reach 1 of leaf: 0.75"
             ),
             "{found:?}"
         );

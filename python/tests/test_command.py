@@ -75,7 +75,7 @@ def test_it_writes_what_only_the_package_can(data: underbrush.Dataset, tmp_path:
     data[1].save(tmp_path / "reach.parquet")
     reach = str(tmp_path / "reach.parquet")
     for kind, path in (("mcap", out[0]), ("ros2", out[2]), ("hdf5", out[3])):
-        assert run("export", reach, "--to", kind, "--out", str(path)).returncode == 0
+        assert run("export", reach, "--to", kind, "--out", str(path)).stdout == f"1 reach in {path}\n"
         refused = run("export", "--to", kind, reach, "--out", str(path))
         assert refused.returncode == 2 and "--force" in refused.stderr
         # An export takes whole sets.
@@ -154,7 +154,7 @@ def test_a_folder_of_recordings_stands_for_them(data: underbrush.Dataset, tmp_pa
     assert mp4[1].stderr == gif[1].stderr
     for kind in ("mcap", "ros2", "hdf5"):
         exported = run("export", str(folder), "--to", kind, "--out", str(tmp_path / kind))
-        assert exported.returncode == 0, exported.stderr
+        assert exported.stdout == f"2 reaches in {tmp_path / kind}\n", exported.stderr
     underbrush.mcap.export([data[0], data[1]], tmp_path / "module")
     expected = [file.read_bytes() for file in sorted((tmp_path / "module").iterdir())]
     assert [file.read_bytes() for file in sorted((tmp_path / "mcap").iterdir())] == expected and len(expected) == 2

@@ -98,7 +98,8 @@ def status(run: Callable[[], Mapping[str, int] | None], options: argparse.Namesp
             print(json.dumps({"file": str(options.out), **found, "bytes": sum(file.stat().st_size for file in files)}))
         else:
             for things, count in found.items():
-                print(f"{count} {things} in {options.out}")
+                one = {"reaches": "reach"}.get(things, things.removesuffix("s"))
+                print(f"{count} {one if count == 1 else things} in {options.out}")
     except KeyboardInterrupt as interrupt:
         # If it came while a `with` began, its temporary file is removed only when nothing refers to it any more.
         traceback.clear_frames(interrupt.__traceback__)

@@ -321,15 +321,16 @@ def main(arguments: list[str] | None = None) -> int:
     _export.output_options(log, "CSV file to write")
     options = parser.parse_args(arguments)
 
-    def run() -> None:
+    def run() -> dict[str, int]:
         if options.command == "export":
-            export(_export.reaches_in(options.data, options.out)[1], options.out, force=options.force)
-        else:
-            channels = dict(text.partition("=")[::2] for text in options.channel)
-            if len(channels) < len(options.channel) or not all(name and own for name, own in channels.items()):
-                raise _fault("--channel", "text", repr(options.channel), "NAME=DATASET, each NAME once")
-            given = {"times": options.times, "category": options.category, "channels": channels, "force": options.force}
-            csv_of(options.log, options.out, options.forces, **given)
+            count, reaches = _export.reaches_in(options.data, options.out)
+            export(reaches, options.out, force=options.force)
+            return {"reaches": count}
+        channels = dict(text.partition("=")[::2] for text in options.channel)
+        if len(channels) < len(options.channel) or not all(name and own for name, own in channels.items()):
+            raise _fault("--channel", "text", repr(options.channel), "NAME=DATASET, each NAME once")
+        given = {"times": options.times, "category": options.category, "channels": channels, "force": options.force}
+        return {"reaches": csv_of(options.log, options.out, options.forces, **given)}
 
     return _export.status(run, options)
 

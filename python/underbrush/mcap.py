@@ -602,7 +602,7 @@ def main(arguments: list[str] | None = None) -> int:
     _export.output_options(log, "CSV file to write")
     options = parser.parse_args(arguments)
 
-    def run() -> None:
+    def run() -> dict[str, int]:
         if options.command == "csv":
             channels: dict[str, tuple[str, str]] = {}
             for text in options.channel:
@@ -611,10 +611,11 @@ def main(arguments: list[str] | None = None) -> int:
                 if not (name and topic and field) or name in channels:
                     raise _fault("--channel", "text", repr(text), "NAME=TOPIC:FIELD, each NAME once")
                 channels[name] = (topic, field)
-            csv_of(options.log, options.out, options.topic, options.field, channels=channels, force=options.force)
-            return
+            frames = csv_of(options.log, options.out, options.topic, options.field, channels=channels, force=options.force)
+            return {"frames": frames}
         count, reaches = _export.reaches_in(options.data, options.out)
         export(next(reaches) if count == 1 else reaches, options.out, force=options.force)
+        return {"reaches": count}
 
     return _export.status(run, options)
 

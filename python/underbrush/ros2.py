@@ -278,11 +278,12 @@ def main(arguments: list[str] | None = None) -> int:
     own.add_argument("--urdf", type=Path, help="URDF of the arm, for /robot_description [default: of a data set that of its arm, else that of Cody if it is the arm]")
     options = parser.parse_args(arguments)
 
-    def run() -> None:
+    def run() -> dict[str, int]:
         count, reaches = _export.reaches_in(options.data, options.out)
         place, *others = _core._with_recordings(options.data)
         urdf_of = _urdf_of(_core.Dataset(place) if place.is_dir() and not others else None, options.urdf)
         _export_with(urdf_of, next(reaches) if count == 1 else reaches, options.out, options.force)
+        return {"reaches": count}
 
     return _export.status(run, options)
 

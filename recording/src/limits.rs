@@ -70,6 +70,17 @@ pub fn short(value: f64) -> String {
     if value == 0.0 || (1e-5..1e7).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
 }
 
+/// A number to two digits as text, with an exponent if it would otherwise be long.
+///
+/// ```
+/// use underbrush_recording::limits::two_digits;
+///
+/// assert_eq!([27.04, 7.13e-16, 0.0].map(two_digits), ["27", "7.1e-16", "0"]);
+/// ```
+pub fn two_digits(value: f64) -> String {
+    short(format!("{value:.1e}").parse().unwrap_or(value))
+}
+
 /// Time from any origin, such as the origin of Unix time: 300 years either way. The resolution of a double is then 2
 /// µs.
 pub const TIME_S: Limits = Limits::new(-1e10, 1e10, "s");

@@ -60,11 +60,15 @@ pub fn read_bytes(path: &Path, ceiling: &Ceiling, allowed: &str, remedy: &str) -
 /// The text of a file. Everything else is as for [`read_bytes`].
 ///
 /// # Errors
-/// As [`read_bytes`], and [`InputError`] for bytes that are not UTF-8.
+/// As [`read_bytes`], and [`InputError`] with the line for bytes that are not UTF-8.
 pub fn read_text(path: &Path, ceiling: &Ceiling, allowed: &str, remedy: &str) -> Result<String, InputError> {
     let bytes = read_bytes(path, ceiling, allowed, remedy)?;
-    String::from_utf8(bytes)
-        .map_err(|_| InputError::new(path, "file", "bytes that are not UTF-8 text", allowed, remedy))
+    String::from_utf8(bytes).map_err(|error| {
+        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = good.iter().filter(|byte| **byte == b'\n').count() + 1;
+        let remedy = "check the path, or save the file as UTF-8";
+        InputError::new(path, "file", "bytes that are not UTF-8 text", allowed, remedy).at_line(line)
+    })
 }
 
 #[cfg(test)]
@@ -103,6 +107,16 @@ mod tests {
         for path in ["/dev/zero", pipe.to_str().unwrap()] {
             assert_eq!(refused(path), ("a pipe or a device".to_owned(), false));
         }
+    }
+
+    /// Tests that text in another encoding is refused with its line, and with the advice to save it as UTF-8.
+    #[test]
+    fn other_encodings_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.toml");
+        fs::write(&path, b"summary = \"x\"\n# M\xfcller\n").unwrap();
+        let error = read_text(&path, &TEXT_BYTES, "a scene", "").unwrap_err();
+        assert_eq!((error.line, error.remedy.as_str()), (Some(2), "check the path, or save the file as UTF-8"));
     }
 
     /// Tests that a file above the ceiling is refused with the ceiling, and one at the ceiling is read.

@@ -32,21 +32,31 @@ fn key_at(text: &str, offset: usize) -> String {
     parts.join(".")
 }
 
-/// What was found and what was expected instead, as a parser's message says, with Rust's types of numbers in words. The two are
-/// separated only for values of a wrong type or shape. Other messages stay whole: they may list many names, and those about spelling do
-/// not say all that is allowed.
+/// What was found and what was expected instead, as a parser's message says, with Rust's types in words. The two are separated for
+/// values of a wrong type or shape, and where our own types say what is allowed. Other messages stay whole: they may list many names,
+/// and those about spelling do not say all that is allowed.
 fn in_words(message: &str) -> (&str, Option<&str>) {
-    let is_value =
-        |found: &str| ["invalid type", "invalid value", "an array", "a table"].iter().any(|own| found.starts_with(own));
+    if let Some((found, allowed)) = message.split_once("; allowed are ") {
+        return (found, Some(allowed));
+    }
+    let values = ["invalid type", "invalid value", "invalid length", ARRAY, TABLE];
+    let is_value = |found: &str| values.iter().any(|own| found.starts_with(own));
     let parts = message.split_once(", expected ").filter(|(found, _)| is_value(found));
-    match parts.map(|(found, expected)| (found.trim_end_matches(" as i128"), expected)) {
-        None => (message, None),
+    let named = |found| match found {
+        "invalid type: map" => TABLE,
+        "invalid type: sequence" => ARRAY,
+        _ => found,
+    };
+    match parts.map(|(found, expected)| (named(found.trim_end_matches(" as i128")), expected)) {
+        None => (message.strip_suffix(", expected literal string").unwrap_or(message), None),
         Some((found, "u8")) => (found, Some("a whole number from 0 to 255")),
         Some((found, "u16")) => (found, Some("a whole number from 0 to 65535")),
         Some((found, "u32")) => (found, Some("a whole number from 0 to 4294967295")),
         Some((found, "u64" | "usize")) => (found, Some("a whole number from 0 to 18446744073709551615")),
         Some((found, "i32" | "i64")) => (found, Some("a whole number")),
         Some((found, "f32" | "f64")) => (found, Some("a number")),
+        Some((found, "a sequence")) => (found, Some(ARRAY)),
+        Some((found, "a map")) => (found, Some(TABLE)),
         Some((found, expected)) if expected.starts_with("struct ") => (found, Some(TABLE)),
         Some((found, expected)) => (found, Some(expected)),
     }
@@ -61,32 +71,56 @@ pub fn parse_toml<T>(path: &Path, text: &str, kind: &str, allowed: &str) -> Resu
 where
     T: DeserializeOwned + JsonSchema,
 {
-    let parsed = toml::from_str(text).map_err(|error| {
-        // What the whole file lacks is at no place.
-        let place = error.span().filter(|span| span.end > 0).map(|span| span.start);
-        toml_fault(path, text, kind, (error.message(), place), allowed)
-    })?;
     let schema = SchemaGenerator::default().into_root_schema_for::<T>();
-    match misfit(schema.as_value(), text) {
-        Some((place, message)) => Err(toml_fault(path, text, kind, (&message, Some(place)), allowed)),
-        None => Ok(parsed),
-    }
+    let misfit = misfit(schema.as_value(), text);
+    let (message, place) = match (toml::from_str(text), misfit) {
+        (Ok(parsed), None) => return Ok(parsed),
+        (Ok(_), Some((place, message))) => (message, Some(place)),
+        // Where a list of tables stands for a table, the parser's error is about the first key of that table.
+        (Err(_), Some((place, message))) if message.starts_with(ARRAY) && line_of(text, place).starts_with("[[") => {
+            (message, Some(place))
+        }
+        (Err(error), _) => {
+            // What the whole file lacks is at no place.
+            let span = error.span().filter(|span| span.end > 0);
+            (error.message().to_owned(), span.map(|span| span.start))
+        }
+    };
+    Err(toml_fault(path, text, kind, (&message, place), allowed))
 }
+
+/// The line at this byte of the text, without the space around it.
+fn line_of(text: &str, offset: usize) -> &str {
+    text.lines().nth(line_at(text, offset) - 1).unwrap_or_default().trim()
+}
+
+/// What is allowed where the text is no TOML at all.
+const SPELLING: &str =
+    "TOML: a line is `key = value` or `[table]`, text is in quotes, and numbers have a decimal point";
+/// What is allowed where the header of a table is there twice.
+const ONCE: &str = "each table once; of a list of tables, each header has double brackets, `[[…]]`";
 
 /// An error about the text of a file, from the message of the parser and the byte at which it stopped, if it is about one.
 fn toml_fault(path: &Path, text: &str, kind: &str, (message, at): (&str, Option<usize>), allowed: &str) -> InputError {
     let key = at.map(|place| key_at(text, place)).filter(|key| !key.is_empty());
     let field = key.map_or(kind.to_owned(), |key| format!("{kind}, {key}"));
     let (found, expected) = in_words(message);
-    let (allowed, remedy) = match message {
-        "duplicate key" => ("each key once", "remove one of the two"),
-        _ => (expected.unwrap_or(allowed), if at.is_some() { "correct this line" } else { "correct the file" }),
+    let line = at.map_or("", |place| line_of(text, place));
+    let remedy = if at.is_some() { "correct this line" } else { "correct the file" };
+    let (allowed, remedy) = match (found, expected) {
+        ("duplicate key", _) if line.starts_with('[') => (ONCE, remedy),
+        ("duplicate key", _) => ("each key once", "remove one of the two"),
+        (ARRAY, _) if line.starts_with("[[") => ("a single table: its header has single brackets, `[…]`", remedy),
+        (TABLE, Some(ARRAY)) if line.starts_with('[') => ("a list of tables: each header has `[[…]]`", remedy),
+        (_, Some(expected)) => (expected, remedy),
+        (_, None) if DeTable::parse(text).is_err() => (SPELLING, remedy),
+        (_, None) => (allowed, remedy),
     };
     InputError::new(path, field, found, allowed, remedy).at_line(at.map(|place| line_at(text, place)))
 }
 
-/// The first place at which a file's text has another shape than this schema, as the byte there and a message. The text was
-/// parsed before as what the schema describes, so only shapes are looked at.
+/// The first place at which a file's text has another shape than this schema, as the byte there and a message. Only shapes are
+/// looked at: the rest is the parser's.
 fn misfit(schema: &Value, text: &str) -> Option<(usize, String)> {
     let table = DeTable::parse(text).ok()?;
     let span = table.span();
@@ -199,9 +233,18 @@ mod tests {
             ("integer `-3`, expected u32", "integer `-3`", "a whole number from 0 to 4294967295"),
             ("integer `99` as i128, expected u8", "integer `99`", "a whole number from 0 to 255"),
             ("integer `3`, expected struct GoalsTable", "integer `3`", "a table"),
+            ("integer `3`, expected a sequence", "integer `3`", "an array"),
         ] {
             let [message, found] = [message, found].map(|text| format!("invalid type: {text}"));
             assert_eq!(in_words(&message), (found.as_str(), Some(allowed)));
+        }
+        for (message, found, allowed) in [
+            ("invalid type: map, expected a string", "a table", "a string"),
+            ("invalid type: sequence, expected a map", "an array", "a table"),
+            ("invalid length 2, expected struct Place with 3 elements", "invalid length 2", "a table"),
+            ("category \"Reed\"; allowed are small letters", "category \"Reed\"", "small letters"),
+        ] {
+            assert_eq!(in_words(message), (found, Some(allowed)));
         }
         for message in [
             "unknown field `heigth_m`, expected one of `height_m`",

@@ -27,6 +27,7 @@ use underbrush_experiments::audit::Worst;
 use underbrush_experiments::experiment::training_data::Reaches;
 use underbrush_experiments::results::{Results, Timing};
 use underbrush_recording::Fault;
+use underbrush_recording::limits::two_digits;
 use underbrush_sim::audit::exceeds;
 
 use accuracy_chart::{AccuracyChart, lowest, square_chart};
@@ -119,8 +120,8 @@ pub fn audit_text(worst: &BTreeMap<&'static str, Worst>) -> String {
         return "audit: within bounds\n".into();
     }
     rows.column("audit, beyond its bounds", |(name, ..)| name)
-        .column("value", |(_, worst, _)| format!("{:.1e}", worst.value))
-        .column("bound", |(.., bound)| format!("{bound:.1e}"))
+        .column("value", |(_, worst, _)| two_digits(worst.value))
+        .column("bound", |(.., bound)| two_digits(bound))
         .column("worst reach", |(_, worst, _)| format!("{} {}", worst.scene, worst.reach_index))
         .text()
 }

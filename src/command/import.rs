@@ -69,7 +69,8 @@ pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
         let frames = output::counted(frames, "frame", "frames");
         let reaches = output::counted(reaches, "reach", "reaches");
         let named = named.collect::<Vec<_>>().join(", ");
-        format!("{trials}, {samples} from {frames} of {reaches}: {named}\n{file}")
+        let sign = if named.is_empty() { "" } else { ": " };
+        format!("{trials}, {samples} from {frames} of {reaches}{sign}{named}\n{file}")
     })
 }
 

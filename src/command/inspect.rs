@@ -64,7 +64,11 @@ pub fn run(options: InspectOptions, json: bool) -> Result<(), Failure> {
     let of_kind = [
         (options.seed.is_some(), "goals_with_a_way", "--seed is for scenes"),
         (options.audit, "dataset", "--audit is for data sets"),
-        (options.still.is_some(), "chain", "--still is for arms; `underbrush replay --still` draws reaches"),
+        (
+            options.still.is_some(),
+            "chain",
+            "--still is for arms; `underbrush replay --still` draws reaches, `reach --picture` scenes",
+        ),
     ];
     if let Some((.., refusal)) = of_kind.iter().find(|(given, key, _)| *given && found.get(key).is_none()) {
         return Err(Failure::usage(format!("{}: {refusal}", options.path.display())));

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use underbrush_recording::InputError;
-use underbrush_recording::disk::{Dataset, check_free, check_not_input, is_folder, is_there};
+use underbrush_recording::disk::{Dataset, check_free, check_not_input, check_writable, is_folder, is_there};
 
 use crate::{Failure, output};
 
@@ -23,7 +23,7 @@ impl Overwrite {
     }
 
     /// Demands that the result can be written to this file: it is not one of the inputs, nothing is there or it may be
-    /// overwritten, and the parent folders are there or are created.
+    /// overwritten, and the parent folders are there or are created, and take a file.
     pub fn file<'a>(self, path: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Failure> {
         // Only then does a name with `..` lead to where it will lead, which may be an input.
         output::create_parents(path)?;
@@ -33,7 +33,8 @@ impl Overwrite {
             let text = "is a folder or not a regular file; give the name of a file to write";
             return Err(Failure::usage(text).about(path));
         }
-        Ok(check_free(path, self.force)?)
+        check_free(path, self.force)?;
+        Ok(check_writable(path)?)
     }
 
     /// As [`Overwrite::file`], for a file whose name must have one of these endings, in small letters or capitals.

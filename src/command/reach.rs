@@ -9,6 +9,7 @@ use serde::Serialize;
 use underbrush_classifier::trial::{PatchImage, TrialOptions, Unit};
 use underbrush_experiments::{audit, contact_trials, dataset};
 use underbrush_recording::disk::write_recording;
+use underbrush_recording::limits::two_digits;
 use underbrush_recording::{Audit, GoalRecord, NamedStop, Recording};
 use underbrush_replay::Judging;
 use underbrush_report::drawing::Rows;
@@ -215,8 +216,8 @@ impl Report {
                  {contacts}; peak force {peak_contact_force_n:.2} N, mean {mean_contact_force_n:.2} N{limit}\n\
                  true contact: {touched}\n\
                  {trials}\n\
-                 largest relative difference between taxel and contact forces: {:.1e}",
-                audit.largest_force_residual
+                 largest relative difference between taxel and contact forces: {}",
+                two_digits(audit.largest_force_residual)
             )
     }
 

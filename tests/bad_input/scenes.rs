@@ -59,6 +59,31 @@ fn another_shape() {
     }
 }
 
+/// Tests that single and double brackets of headers in place of each other are named, and a header that is there twice.
+#[test]
+fn brackets_of_headers() {
+    for (header, parts) in [
+        ("[objects.leaf]", ["scene, objects.leaf: found a table", "each header has `[[…]]`"]),
+        ("[[goals]]", ["scene, goals: found an array", "single brackets, `[…]`"]),
+        ("[[materials]]", ["scene, materials: found an array", "single brackets, `[…]`"]),
+    ] {
+        refuses(&format!("{HEAD}{header}\n"), Some(3), &parts);
+    }
+    refuses(&format!("{HEAD}{LEAF}[objects.leaf]\n"), Some(8), &["found duplicate key", "double brackets, `[[…]]`"]);
+}
+
+/// Tests that a table of names as an array, too few numbers and the name of a category are refused with what is allowed.
+#[test]
+fn what_is_allowed_in_a_value() {
+    for (value, parts) in [
+        ("place = [0.6, -0.2]", ["found invalid length 2", "allowed: a table"]),
+        ("place.x_m = { uniform = [0.6] }", ["found invalid length 1", "allowed: an array of length 2"]),
+        ("category = \"Reed\"", ["found category \"Reed\"", "allowed: up to 24 lower-case letters"]),
+    ] {
+        refuses(&format!("{HEAD}{LEAF}{value}\n"), Some(8), &parts);
+    }
+}
+
 /// Tests that a force cannot be allowed on a category that nothing in the scene can be.
 #[test]
 fn a_force_on_nothing() {
@@ -69,10 +94,14 @@ fn a_force_on_nothing() {
     underbrush!["inspect", scenes::write(folder.path(), "good.toml", &named)].success();
 }
 
-/// Tests that text that is not TOML is refused with its line.
+/// Tests that text that is not TOML is refused with its line, and with how TOML is written.
 #[test]
 fn no_toml() {
-    refuses("summary = \"A scene\"\ncontroller = \n", Some(2), &["scene, controller: found", "correct this line"]);
+    for value in ["", "mapped", "0,5", ".5"] {
+        let text = format!("summary = \"A scene\"\ncontroller = {value}\n");
+        let parts = ["scene, controller: found", "text is in quotes", "a decimal point", "correct this line"];
+        refuses(&text, Some(2), &parts);
+    }
 }
 
 /// Tests that a group of objects needs a count.

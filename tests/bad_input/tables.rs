@@ -38,13 +38,14 @@ fn empty() {
     refuses("", None, &["trial: found no columns", "its first line must name the columns"]);
 }
 
-/// Tests that a missing column is named together with the columns found.
+/// Tests that a missing column is named together with the columns found, and that a robot's log may be imported.
 #[test]
 fn missing_column() {
     let parts = ["force_n: found only the columns trial, category, time_s", "force_n", "case-sensitive"];
     refuses("trial,category,time_s\n0,leaf,0.0\n", None, &parts);
     let parts = ["trial: found only the columns trial;time_s;force_n", "with commas between its cells"];
     refuses("trial;time_s;force_n\n0;0.0;1\n", None, &parts);
+    refuses("run,stamp,ft_0\n0,0,1\n", None, &["trial: found only the columns run, stamp", "`underbrush import`"]);
     let goals = fixture().dataset().join("truth/goals/chunk-000/file-000.parquet");
     underbrush!["inspect", goals].refused(&["found only the columns episode_index", "give the folder of the data set"]);
 }

@@ -110,6 +110,25 @@ fn numbers_out_of_range() {
     assert_empty(outputs.path());
 }
 
+/// Tests that a text that is no number, or none that is allowed, is refused with what is allowed, also with --json.
+#[test]
+fn texts_that_are_no_numbers() {
+    let scene = fixture().trunk_scene();
+    for (number, allowed) in [
+        ("one", "must be a whole number, 0 or more"),
+        ("1e3", "must be a whole number, 0 or more"),
+        ("-1", "must be a whole number, 0 or more"),
+        ("18446744073709551616", "is larger than any number that is allowed"),
+    ] {
+        let seed = format!("--seed={number}");
+        let answer = underbrush!["reach", scene, seed, "--json"];
+        answer.refused(&["--seed", number, allowed]);
+        assert!(answer.stdout.contains(allowed), "{}", answer.stdout);
+    }
+    let tolerance = underbrush!["train", fixture().table_csv(), "--out", "m.json", "--threshold-n", "0,03"];
+    tolerance.refused(&["--threshold-n", "0,03", "must be a number, with a point before its decimals"]);
+}
+
 /// Tests that an option is refused, not ignored, if the option that it needs is excluded by another.
 #[test]
 fn options_whose_need_is_excluded() {

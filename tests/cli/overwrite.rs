@@ -75,6 +75,15 @@ fn a_name_that_ends_in_a_slash_is_no_file() {
     underbrush!["train", fixture().table_csv(), "--states", "2", "--out", models].refused(&["models/", "is a folder"]);
 }
 
+/// Tests that a folder that takes no files is found out before the work, and so before what is wrong with the contacts.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_folder_without_room_is_found_out_first() {
+    let answer = underbrush!["train", fixture().dataset(), "--threshold-n", "1000", "--out", "/proc/model.json"];
+    assert_eq!(answer.status, 1, "{}", answer.stderr);
+    assert!(answer.stderr.contains("/proc/model.json: cannot write"), "{}", answer.stderr);
+}
+
 /// Tests that `--force` does not remove anything but a data set, and neither an input.
 #[test]
 fn force_removes_data_sets_alone() {

@@ -211,7 +211,7 @@ fn bad_pictures_are_refused() {
     underbrush!["replay", set, "--out", png, "--time", "1"].refused(&["--out", "--time"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--video", gif].refused(&["--still", "--video"]);
     underbrush!["replay", set, "--size", "64x64"].refused(&["<--still <FILE.png>|--video <FILE.gif>>"]);
-    underbrush!["inspect", set, "--still", png].refused(&["--still is for arms", "`underbrush replay --still`"]);
+    underbrush!["inspect", set, "--still", png].refused(&["--still is for arms", "`reach --picture` scenes"]);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 

@@ -124,6 +124,7 @@ fn faults_name_field_and_line() {
     assert_eq!((missing.field.as_str(), missing.line), ("models.leaf.means", Some(8)));
     let broken = fault("[0.0, 1.0]]", "[0.0, 1.0]");
     assert_eq!((broken.field.as_str(), broken.line), ("JSON", Some(8)));
+    assert!(broken.found.starts_with("unreadable JSON: "), "{broken}");
     assert_eq!(fault("\"models\"", "\"recipe\": 3, \"models\"").field, "recipe");
     assert_eq!(fault("\"models\"", "\"training\": 3, \"models\"").field, "training");
     assert_eq!(

@@ -52,8 +52,17 @@ impl Columns {
                     Err(InputError::new(path, "header", format!("numbers: {}", listed()), allowed, remedy)
                         .at_line(line))
                 }
-                (None, _) => Err(mapping.fault(field, format!("{name:?}, which is no column"), allowed())),
-                (Some(_), Some(_)) => Err(mapping.fault(field, format!("{name:?}, which two columns have"), allowed())),
+                (None, _) => {
+                    let fault = mapping.fault(field, format!("{name:?}, which is no column"), allowed());
+                    let after_last = force.from.replace(TAXEL, &mapping.taxels().to_string());
+                    let is_from_1 = name == force.from.replace(TAXEL, "0") && has(&after_last);
+                    let remedy = "number the columns of the taxels from 0, not from 1";
+                    Err(if is_from_1 { InputError { remedy: remedy.into(), ..fault } } else { fault })
+                }
+                (Some(_), Some(_)) => {
+                    let fault = mapping.fault(field, format!("{name:?}, which two columns have"), allowed());
+                    Err(InputError { remedy: "give one of the two columns another name".into(), ..fault })
+                }
             }
         };
         let optional = |field: &str, name: &Option<String>| name.as_deref().map(|name| place(field, name)).transpose();

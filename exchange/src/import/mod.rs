@@ -94,6 +94,7 @@ pub fn import(path: &Path, mapping: &Mapping, with_recordings: bool) -> Result<I
     let (recordings, of_recordings) = recorder.map_or(Ok(Default::default()), Recorder::finish)?;
     let of_trials = single_samples(&trials).into_iter().chain(without_numbers(&trials, mapping));
     let of_trials = of_trials.chain(other_unit(&trials, mapping));
+    let of_recordings = of_recordings.into_iter().chain(unfelt(&recordings, mapping));
     let warnings = of_file.into_iter().chain(of_trials).chain(of_recordings).collect();
     Ok(Imported { trials, recordings, frames: cutter.frames, reaches: cutter.begun.len(), warnings })
 }
@@ -106,6 +107,18 @@ fn single_samples(trials: &[Trial]) -> Option<String> {
             "{short} of {} trials have a single sample, as if the force varied about the threshold: raise `threshold_n`, or set \
              `release_n`, `gap_s` or `min_samples` in the mapping",
             trials.len()
+        )
+    })
+}
+
+/// A warning if labels name objects and no recording has a contact with one, as if the forces were in another unit.
+fn unfelt(recordings: &[Recording], mapping: &Mapping) -> Option<String> {
+    let has_objects = recordings.iter().any(|own| !own.objects.is_empty());
+    let is_felt = recordings.iter().any(|own| !own.contacts.is_empty());
+    (has_objects && !is_felt).then(|| {
+        format!(
+            "labels name objects, but no force is above {} N: check the unit of the mapping, or lower `threshold_n` there",
+            mapping.threshold_n
         )
     })
 }

@@ -55,6 +55,14 @@ pub fn check_free(path: &Path, force: bool) -> Result<(), DiskError> {
     Err(InputError::new(path, "output", "what exists already", "a new file", remedy).into())
 }
 
+/// Demands that a file can be written here. Otherwise this would be found out only after the work.
+///
+/// # Errors
+/// [`DiskError::Io`] if the folder takes no file.
+pub fn check_writable(path: &Path) -> Result<(), DiskError> {
+    begin(&written(path)).map(drop)
+}
+
 /// Refuses an output that is one of the inputs, under whatever name: the input would be lost.
 ///
 /// # Errors
@@ -145,6 +153,12 @@ pub(super) fn remove_leftovers(path: &Path) {
     }
 }
 
+/// The file that is written for a path: what it names, if it is a link.
+pub(super) fn written(path: &Path) -> PathBuf {
+    let linked = if path.is_symlink() { fs::canonicalize(path).ok() } else { None };
+    linked.unwrap_or_else(|| path.to_path_buf())
+}
+
 /// Writes a file completely or not at all, after removing leftovers of killed processes. A file that is there keeps its
 /// permissions, and if the path is a link, the file that it names is written.
 ///
@@ -164,8 +178,7 @@ pub(super) fn remove_leftovers(path: &Path) {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), DiskError> {
-    let linked = if path.is_symlink() { fs::canonicalize(path).ok() } else { None };
-    let path = linked.as_deref().unwrap_or(path);
+    let path = &written(path);
     remove_leftovers(path);
     let mut temporary = begin(path)?;
     let file = &mut temporary.file;

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::check::{check_layout, check_recording};
-use super::files::{is_folder, is_there, remove_leftovers};
+use super::files::{is_folder, is_there, remove_leftovers, written};
 use super::table::{Batch, ParquetFile, ParquetTable, ROWS_PER_BATCH};
 use super::tables::dictionary::{FRAMES, RECORDING_TRUTH, Table};
 use super::tables::frames::{
@@ -73,6 +73,7 @@ pub fn write_recording(path: &Path, recording: &Recording) -> Result<(), DiskErr
     let header = serde_json::to_string(recording).map_err(DiskError::io(path, "write"))?;
     let (features, rows) = (features_of(recording), rows_of(recording));
     let none = columns_of(&features, &rows, 0..0);
+    let path = &written(path);
     remove_leftovers(path);
     let mut file = ParquetFile::create(
         path,

@@ -157,6 +157,21 @@ fn short_reaches_that_jitter_are_placed() {
     assert!(found.warnings[0].starts_with("reach 0 seems to have frames at 50 Hz"), "{:?}", found.warnings);
 }
 
+/// Tests the warning about labelled objects of which no force is felt, as in a wrong unit, and that there is none if the label is
+/// `nothing`.
+#[test]
+fn objects_that_are_not_felt_are_warned_of() {
+    let warnings = |log: &str, unit: &str| {
+        let mapping = MAPPING.replace("taxels = 2\n", &format!("taxels = 2\nunit = \"{unit}\"\n"));
+        recorded(log, TAXELS, &mapping).unwrap().warnings
+    };
+    let is_unfelt = |warning: &String| warning.starts_with("labels name objects, but no force is above 0.03 N");
+    assert!(warnings(LOG, "mN").iter().any(is_unfelt));
+    assert!(!warnings(LOG, "N").iter().any(is_unfelt));
+    let silent = LOG.replace("leaf", "nothing").replace("reed", "nothing");
+    assert!(!warnings(&silent, "mN").iter().any(is_unfelt));
+}
+
 /// Tests the warnings about a rate at which half of the frames are missing, and about times in another unit.
 #[test]
 fn doubtful_times_are_warned_of() {

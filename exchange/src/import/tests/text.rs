@@ -122,6 +122,18 @@ fn a_wrong_mapping_is_refused_by_line_and_field() {
     assert!(matches!(nowhere, Err(error) if error.found == "no such file"));
 }
 
+/// Tests the remedies for columns of taxels that are numbered from 1, and for two columns of one name.
+#[test]
+fn columns_of_taxels_are_numbered_from_0() {
+    let (_folder, path) = file("log.csv");
+    for (columns, remedy) in [("ft_1, ft_2", "number the columns of the taxels from 0"), ("ft_0, ft_0", "give one of")]
+    {
+        written(&path, &LOG.replace("ft_0, ft_1", columns));
+        let error = refused(&path, MAPPING);
+        assert!(error.field == "force.from" && error.remedy.starts_with(remedy), "{error}");
+    }
+}
+
 /// Tests that wrong cells, times that do not rise, forces out of range and rows of a reach that are not adjacent are
 /// refused with the line of the file, and that a file without a contact is refused, too.
 #[test]

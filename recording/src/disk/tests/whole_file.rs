@@ -65,7 +65,7 @@ fn only_files_are_replaced() {
     }
 }
 
-/// Tests that a file that is written anew keeps its permissions, and that a link to it stays a link.
+/// Tests that a file that is written anew keeps its permissions, and that a link to it stays a link, also to a recording and a table.
 #[cfg(unix)]
 #[test]
 fn links_and_permissions_are_kept() {
@@ -79,6 +79,16 @@ fn links_and_permissions_are_kept() {
     assert_eq!(fs::read_link(&link).unwrap(), Path::new("suite.toml"));
     assert_eq!(fs::read(&file).unwrap(), b"new");
     assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o640);
+    for (name, write) in [
+        ("reach.parquet", (|path: &Path| write_recording(path, &reach(0, 5)).unwrap()) as fn(&Path)),
+        ("trials.csv", |path: &Path| write_trials(path, &[]).unwrap()),
+    ] {
+        let [file, link] = [name.to_owned(), format!("link-{name}")].map(|name| folder.path().join(name));
+        fs::write(&file, "old").unwrap();
+        symlink(name, &link).unwrap();
+        write(&link);
+        assert!(link.is_symlink() && fs::read(&file).unwrap() != b"old", "{name}");
+    }
 }
 
 /// Tests that names as long as the file system allows, and names that are not UTF-8, can be written.

@@ -18,7 +18,7 @@ pub use parquet_table::trial_table;
 pub use rows::whole_number;
 
 use super::check::{Violation, require};
-use super::files::remove_leftovers;
+use super::files::{remove_leftovers, written};
 use super::table::{Column, EPISODE_COLUMN, Field, Row, Text};
 use super::{DiskError, Result};
 use crate::disk::tables::dictionary::table;
@@ -112,7 +112,9 @@ fn place_columns(path: &Path, names: &[String]) -> Result<[Option<usize>; COLUMN
                 _ if names.iter().any(|name| name == EPISODE_COLUMN) => {
                     "give the folder of the data set if this is one of its files, or rename the right column"
                 }
-                _ => "rename the right column; names are case-sensitive",
+                _ => {
+                    "rename the right column (names are case-sensitive), or cut a robot's log into trials with `underbrush import`"
+                }
             };
             let found = if joined.is_empty() { "no columns".into() } else { format!("only the columns {joined}") };
             return Err(error(column, found, remedy));
@@ -184,6 +186,7 @@ pub fn write_trials(path: impl AsRef<Path>, trials: &[Trial]) -> Result<(), Disk
     let checked = trials.iter().try_for_each(|trial| check(trial, &mut numbers));
     checked.map_err(|violation| violation.unwritable(path))?;
     let write = if is_csv(path)? { csv_table::write } else { parquet_table::write };
+    let path = &written(path);
     remove_leftovers(path);
     write(path, &channel_names(trials), trials)
 }
