@@ -132,7 +132,7 @@ fn short_reaches_that_jitter_are_placed() {
         let jitter =
             |frame: u32| 0.39 * (2.0 * (43758.5453 * (12.9898 * f64::from(frame)).sin()).rem_euclid(1.0) - 1.0);
         let row = |reach: u32, frame: u32| {
-            format!("{reach},{},0,0,leaf\n", (f64::from(frame) + jitter(frame + 40 * reach)) * step_s)
+            format!("{reach},{},1,0,leaf\n", (f64::from(frame) + jitter(frame + 40 * reach)) * step_s)
         };
         let rows = (0..12).flat_map(|reach| (0..frames).map(move |frame| row(reach, frame)));
         format!("run,s,f0,f1,label\n{}", rows.collect::<String>())
@@ -151,7 +151,7 @@ fn short_reaches_that_jitter_are_placed() {
     // The first reach has half the rate of the others.
     let slow =
         log(200, 0.01).lines().filter(|row| !row.starts_with("0,")).map(|row| format!("{row}\n")).collect::<String>();
-    let first = (0..200).map(|frame| format!("0,{},0,0,leaf\n", 0.02 * f64::from(frame))).collect::<String>();
+    let first = (0..200).map(|frame| format!("0,{},1,0,leaf\n", 0.02 * f64::from(frame))).collect::<String>();
     let (header, others) = slow.split_once('\n').unwrap();
     let found = recorded(&format!("{header}\n{first}{others}"), TAXELS, &still).unwrap();
     assert!(found.warnings[0].starts_with("reach 0 seems to have frames at 50 Hz"), "{:?}", found.warnings);
