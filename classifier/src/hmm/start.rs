@@ -4,7 +4,6 @@ use super::gaussian::{floor_eigenvalues, is_singular};
 use super::model::{GaussianHmm, HmmParameters};
 use super::topology::{InitialDistribution, Topology};
 use super::train::{TrainingError, check_sequences, largest_observation};
-use crate::error::ValueFault;
 use crate::feature::Observations;
 
 /// An initial model for Baum-Welch. State j of N gets the mean and covariance of the j-th of N equal time slices,
@@ -23,7 +22,7 @@ pub fn equal_slice_start(
     variance_floor: f64,
 ) -> Result<GaussianHmm, TrainingError> {
     if states == 0 {
-        return Err(ValueFault::new("states", "0", "at least 1").into());
+        return Err(TrainingError::BadOption { option: "states", found: "0".into(), allowed: "at least 1" });
     }
     let dimension = check_sequences(sequences)?;
     let largest = largest_observation(sequences);

@@ -8,7 +8,6 @@ use underbrush_recording::stop;
 use super::gaussian::{floor_eigenvalues, is_singular};
 use super::model::{GaussianHmm, ParameterError};
 use super::statistics::Statistics;
-use crate::error::ValueFault;
 use crate::feature::Observations;
 
 /// Options of Baum-Welch training.
@@ -111,8 +110,15 @@ pub enum TrainingError {
         iteration: usize,
     },
     /// An option is out of range.
-    #[error(transparent)]
-    BadOption(#[from] ValueFault),
+    #[error("{option} is {found}; allowed: {allowed}")]
+    BadOption {
+        /// Name of the option.
+        option: &'static str,
+        /// What was given.
+        found: String,
+        /// What is allowed.
+        allowed: &'static str,
+    },
     /// The parameters are invalid.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
@@ -137,7 +143,8 @@ pub fn train(
 ) -> Result<(GaussianHmm, TrainingHistory), TrainingError> {
     for (option, value) in [("tolerance", options.tolerance), ("variance_floor", options.variance_floor)] {
         if !value.is_finite() || value < 0.0 {
-            return Err(ValueFault::new(option, value.to_string(), "finite numbers from 0").into());
+            let found = value.to_string();
+            return Err(TrainingError::BadOption { option, found, allowed: "finite numbers from 0" });
         }
     }
     let found = check_sequences(sequences)?;
