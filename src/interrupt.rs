@@ -41,7 +41,8 @@ pub fn watch() {
         // Signals then end the program, as they do by default, and the next run removes leftover files.
         return;
     };
-    std::thread::spawn(move || {
+    // Without this thread, the second signal ends the program.
+    let _ = std::thread::Builder::new().spawn(move || {
         if let Some(signal) = signals.forever().next() {
             underbrush_recording::disk::abandon_unfinished_files();
             if let Some((folder, hint)) = HINT.get()

@@ -3,6 +3,7 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+use std::error::Error as _;
 use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -155,9 +156,13 @@ fn taking_negative_numbers(command: clap::Command) -> clap::Command {
 }
 
 fn run(cli: Cli) -> Result<(), Failure> {
-    if let Some(jobs) = cli.jobs {
-        let started = rayon::ThreadPoolBuilder::new().num_threads(jobs).build_global();
-        started.map_err(|error| Failure::run(format!("cannot start {jobs} threads: {error}")))?;
+    // Rayon would start the threads when they are first needed, and panic if it cannot.
+    let started = rayon::ThreadPoolBuilder::new().num_threads(cli.jobs.unwrap_or(0)).build_global();
+    // Without --jobs, the threads of an earlier command of the process do as well. That error has no source.
+    if let Err(error) = started
+        && (cli.jobs.is_some() || error.source().is_some())
+    {
+        return Err(Failure::run(format!("cannot start threads: {error}")));
     }
     cli.command.run(cli.json)
 }

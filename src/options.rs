@@ -1,6 +1,8 @@
 //! What the options of several commands have in common: how names, numbers and pairs are read, which options are given, and
 //! the options for extracting trials from a data set or a recording.
 
+use std::fmt::Display;
+use std::ops::RangeInclusive;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -22,6 +24,17 @@ where
 {
     PossibleValuesParser::new(names.iter().map(|(name, help)| PossibleValue::new(*name).help(*help)))
         .try_map(|name| T::deserialize(IntoDeserializer::<Unread>::into_deserializer(name)))
+}
+
+/// Reads a whole number of a range.
+pub fn whole<T>(range: RangeInclusive<T>) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static
+where
+    T: FromStr + PartialOrd + Display + Clone + Send + Sync + 'static,
+{
+    move |text: &str| {
+        let number = text.parse::<T>().ok().filter(|number| range.contains(number));
+        number.ok_or_else(|| format!("must be a whole number from {} to {}", range.start(), range.end()))
+    }
 }
 
 /// Reads a number that is allowed; the text says which numbers are.
@@ -76,10 +89,10 @@ pub struct TrialArguments {
     #[arg(long, value_name = "NAME")]
     pub patch: Option<String>,
     /// A taxel is in contact while it senses more than this, N [default: 0.03]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = number(|_: &f64| true, "must be a force in N, 0 or more"))]
     threshold_n: Option<f64>,
     /// Leave out trials with fewer samples [default: 1]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = number(|_: &usize| true, "must be a whole number, 0 or more"))]
     min_samples: Option<usize>,
     /// How a trial gets its category [default: contact]
     #[arg(long, value_name = "BY", value_parser = named::<Labels>(&[

@@ -60,7 +60,10 @@ pub fn bar(length: u64, things: &str) -> ProgressBar {
             let _ = to.write_str(&left(state.eta()));
         }));
     }
-    bar.enable_steady_tick(Duration::from_millis(200));
+    // This takes a thread.
+    if !bar.is_hidden() {
+        bar.enable_steady_tick(Duration::from_millis(200));
+    }
     bar
 }
 

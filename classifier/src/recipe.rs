@@ -16,7 +16,7 @@ pub const STATES: Limits = Limits::new(1.0, 1000.0, "states");
 const SAMPLES: Limits = Limits::new(1.0, 1e9, "samples");
 
 /// Iterations of Baum-Welch, which usually converges within hundreds.
-const ITERATIONS: Limits = Limits::new(0.0, 1e6, "iterations");
+pub const ITERATIONS: Limits = Limits::new(0.0, 1e6, "iterations");
 
 /// Relative gain at which training ends. With 1 it ends after the first iteration.
 const TOLERANCE: Limits = Limits::new(0.0, 1.0, "");

@@ -285,7 +285,8 @@ fn solve(rows: &[Linear]) -> Option<[f64; 3]> {
     let lengths = [0, 1, 2].map(|at| rows.iter().map(|row| row.slopes[at].powi(2)).sum::<f64>().sqrt());
     // Without speeds there is no loss.
     let count = if lengths[2] > 0.0 { 3 } else { 2 };
-    if lengths[..count].contains(&0.0) {
+    // The squares of extreme numbers are infinite or 0.
+    if !lengths[..count].iter().all(|length| length.is_normal()) {
         return None;
     }
     let matrix = DMatrix::from_fn(rows.len(), count, |row, at| rows[row].slopes[at] / lengths[at]);

@@ -1,6 +1,6 @@
 //! From scenes to a finished data set: plans the reaches and runs them. `write` writes the files.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
 use rayon::prelude::*;
@@ -115,10 +115,15 @@ impl Campaign {
             let (first, last) = (REACHES.start(), REACHES.end());
             return Err(Fault::Usage(format!("{reaches} reaches of each scene; allowed: {first} to {last}")));
         }
-        let mut names = BTreeSet::new();
-        if let Some(second) = scenes.iter().find(|scene| !names.insert(&scene.name)) {
-            let text = "give scenes with names of their own, or rename one file";
-            return Err(Fault::Usage(format!("two scenes are called {}; {text}", second.name)));
+        for (place, scene) in scenes.iter().enumerate() {
+            let Some(other) = scenes[..place].iter().find(|own| own.name == scene.name) else { continue };
+            let [path, other_path] = [scene, other].map(|own| std::fs::canonicalize(&own.path).ok());
+            return Err(Fault::Usage(if path == other_path && scene.text == other.text {
+                format!("the scene {} is given twice; give it once, and ask for more reaches", scene.name)
+            } else {
+                let text = "give scenes with names of their own, or rename one file";
+                format!("two scenes are called {}; {text}", scene.name)
+            }));
         }
         Ok(Campaign { scenes: scenes.into_iter().map(|scene| (scene, reaches)).collect(), seed, ..Campaign::default() })
     }
@@ -142,6 +147,9 @@ impl Campaign {
             let allowed = format!("one of {}", ControllerKind::names().join(", "));
             fault("controller", provenance.controller.clone(), &allowed)
         })?;
+        if let Some(Shard { index, count }) = provenance.shard.filter(|part| part.index >= part.count) {
+            return Err(fault("shard.index", index.to_string(), &format!("a number below {count}, that of the parts")));
+        }
         check_model(dataset, verdicts.as_ref())?;
         let mut campaign = Campaign {
             verdicts,
@@ -156,6 +164,10 @@ impl Campaign {
             if scene.name != stored.name {
                 let allowed = "the name of the scene's file without its ending";
                 return Err(fault(&field("name"), stored.name.clone(), allowed));
+            }
+            if !REACHES.contains(&stored.reaches) {
+                let allowed = format!("{} to {}", REACHES.start(), REACHES.end());
+                return Err(fault(&field("reaches"), stored.reaches.to_string(), &allowed));
             }
             let Some(arm) = provenance.arms.get(stored.arm) else {
                 return Err(fault(&field("arm"), stored.arm.to_string(), "the index of an arm"));

@@ -8,7 +8,8 @@ use std::path::Path;
 
 use nalgebra::DVector;
 use serde::Serialize;
-use underbrush_recording::{Dataset, FRAME_PERIOD_S, Fault, Frame, InputError};
+use underbrush_recording::disk::{Dataset, DatasetPlan, SceneText};
+use underbrush_recording::{FRAME_PERIOD_S, Fault, Frame, InputError};
 use underbrush_sim::audit::min_contact_torque_nm;
 use underbrush_sim::{Arm, ReachPlan, Scene};
 
@@ -88,12 +89,22 @@ impl TorqueBalance {
 }
 
 /// The arm of each scene, with the stiffness that the scene asks for.
+///
+/// # Errors
+/// If a scene or an arm is bad, or an arm has other joints than the frames.
 fn arms(dataset: &Dataset) -> Result<BTreeMap<String, Arm>, InputError> {
-    let provenance = &dataset.plan().provenance;
-    let arm = |scene: &underbrush_recording::disk::SceneText| {
+    let DatasetPlan { provenance, joint_names, .. } = dataset.plan();
+    let arm = |scene: &SceneText| {
         let files = provenance.arms.get(scene.arm).map(|arm| arm.files.as_slice()).unwrap_or_default();
         let arm = stored_arm(files)?;
         let plan = ReachPlan::with_arm(Scene::parse(&scene.file.name, scene.file.text.clone())?, Some(arm), None, 0)?;
+        let own: Vec<&str> = plan.arm.joints.iter().map(|joint| joint.name.as_str()).collect();
+        if own != *joint_names {
+            let (path, field) = (dataset.dir().join("meta/provenance.json"), format!("arms[{}]", scene.arm));
+            let allowed = format!("those of the frames: {}", joint_names.join(", "));
+            let remedy = "give a data set that `underbrush generate` made";
+            return Err(InputError::new(path, field, format!("the joints {}", own.join(", ")), allowed, remedy));
+        }
         Ok((scene.name.clone(), plan.arm))
     };
     provenance.scenes.iter().map(arm).collect()

@@ -124,8 +124,8 @@ impl PyModel {
     }
 
     /// Scores after the first k samples of a trial, for ascending k from 1: (len(counts), categories).
-    fn scores_after<'py>(&self, py: Python<'py>, trials: &Trials, trial: usize, counts: Vec<usize>) -> Answer<'py> {
-        let own = &trials.list[place(trial as isize, trials.list.len())?];
+    fn scores_after<'py>(&self, py: Python<'py>, trials: &Trials, trial: isize, counts: Vec<usize>) -> Answer<'py> {
+        let own = &trials.list[place(trial, trials.list.len())?];
         if !counts.is_sorted() || counts.first() == Some(&0) {
             return Err(Failure::argument("counts", format!("{counts:?}"), "ascending numbers from 1", "sort them"));
         }

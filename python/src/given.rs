@@ -83,7 +83,7 @@ pub fn save(path: &Path, force: bool, text: &str) -> Result<(), Failure> {
 /// A `TypeError` for an unknown name or a value of the wrong type, `Fault::Input` for a value that is not allowed.
 pub fn options<T: DeserializeOwned>(arguments: Option<&Bound<'_, PyDict>>) -> Result<T, Failure> {
     let given: Vec<_> = arguments.into_iter().flatten().filter(|(_, value)| !value.is_none()).collect();
-    T::deserialize(MapAccessDeserializer::new(Entries { left: given.into_iter(), value: None })).map_err(Failure::from)
+    T::deserialize(MapAccessDeserializer::new(Entries::new(given, 0))).map_err(Failure::from)
 }
 
 /// The value of an argument with this name.
@@ -96,7 +96,7 @@ pub fn named<T: DeserializeOwned>(argument: &str, name: &str) -> Result<T, Failu
 
 /// A dictionary as a type of the libraries. Errors as for [`options`].
 pub fn dictionary<T: DeserializeOwned>(dict: &Bound<'_, PyDict>) -> Result<T, Refused> {
-    T::deserialize(Given(dict.clone().into_any()))
+    T::deserialize(Given { object: dict.clone().into_any(), depth: 0 })
 }
 
 /// Why an object is refused.
@@ -170,8 +170,15 @@ impl From<Refused> for Failure {
     }
 }
 
+/// Dictionaries and lists within each other, of which options have a few. One that holds itself has no end.
+const MOST_NESTED: usize = 16;
+
 /// A Python object. Numbers may be those of NumPy.
-struct Given<'py>(Bound<'py, PyAny>);
+struct Given<'py> {
+    object: Bound<'py, PyAny>,
+    /// In how many dictionaries and lists it is.
+    depth: usize,
+}
 
 impl<'py> IntoDeserializer<'_, Refused> for Given<'py> {
     type Deserializer = Given<'py>;
@@ -185,11 +192,13 @@ impl<'de> Deserializer<'de> for Given<'_> {
     type Error = Refused;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refused> {
-        let Given(object) = self;
-        if object.is_none() {
+        let Given { object, depth } = self;
+        if depth > MOST_NESTED {
+            Err(Refused::Type(format!("found more than {MOST_NESTED} dictionaries and lists within each other")))
+        } else if object.is_none() {
             visitor.visit_unit()
         } else if let Ok(dict) = object.cast::<PyDict>() {
-            visitor.visit_map(Entries { left: dict.iter().collect::<Vec<_>>().into_iter(), value: None })
+            visitor.visit_map(Entries::new(dict.iter().collect(), depth))
         } else if let Ok(text) = object.extract() {
             visitor.visit_string(text)
         } else if let Ok(flag) = object.extract() {
@@ -202,14 +211,15 @@ impl<'de> Deserializer<'de> for Given<'_> {
         } else if let Ok(number) = object.extract() {
             visitor.visit_f64(number)
         } else if let Ok(items) = object.extract::<Vec<Bound<'_, PyAny>>>() {
-            visitor.visit_seq(SeqDeserializer::new(items.into_iter().map(Given)))
+            let within = |object| Given { object, depth: depth + 1 };
+            visitor.visit_seq(SeqDeserializer::new(items.into_iter().map(within)))
         } else {
             Err(Refused::Type(format!("found {object}")))
         }
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refused> {
-        if self.0.is_none() { visitor.visit_none() } else { visitor.visit_some(self) }
+        if self.object.is_none() { visitor.visit_none() } else { visitor.visit_some(self) }
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
@@ -218,7 +228,8 @@ impl<'de> Deserializer<'de> for Given<'_> {
         _: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Refused> {
-        let name: String = self.0.extract().map_err(|_| Refused::Type(format!("found {}, not a name", self.0)))?;
+        let refused = |_| Refused::Type(format!("found {}, not a name", self.object));
+        let name: String = self.object.extract().map_err(refused)?;
         visitor.visit_enum(name.into_deserializer())
     }
 
@@ -232,6 +243,14 @@ impl<'de> Deserializer<'de> for Given<'_> {
 struct Entries<'py> {
     left: std::vec::IntoIter<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
     value: Option<(String, Bound<'py, PyAny>)>,
+    /// In how many dictionaries and lists the dictionary is.
+    depth: usize,
+}
+
+impl<'py> Entries<'py> {
+    fn new(all: Vec<(Bound<'py, PyAny>, Bound<'py, PyAny>)>, depth: usize) -> Self {
+        Entries { left: all.into_iter(), value: None, depth }
+    }
 }
 
 impl<'de> MapAccess<'de> for Entries<'_> {
@@ -245,7 +264,8 @@ impl<'de> MapAccess<'de> for Entries<'_> {
     }
 
     fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Refused> {
-        let (name, value) = self.value.take().ok_or_else(|| Refused::custom("a value without a key"))?;
-        seed.deserialize(Given(value)).map_err(|refused| refused.within(&name))
+        let (name, object) = self.value.take().ok_or_else(|| Refused::custom("a value without a key"))?;
+        let given = Given { object, depth: self.depth + 1 };
+        seed.deserialize(given).map_err(|refused| refused.within(&name))
     }
 }

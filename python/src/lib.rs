@@ -22,6 +22,7 @@ mod progress;
 mod python_classifier;
 mod reach;
 mod scene;
+mod simulate;
 mod simulation;
 mod study;
 mod table;
@@ -58,8 +59,9 @@ mod _core {
         generate::{generate, generate_again, merge},
         online::{Online, online},
         picture::{_check_free, _with_recordings, PyCamera, replay_page},
-        reach::{Reach, simulate},
+        reach::Reach,
         scene::PyScene,
+        simulate::simulate,
         simulation::{PySimulation, step_many},
         study::{
             benchmark, benchmark_part, benchmark_sets, check, checks, inspect, reproduce, run_campaign,

@@ -48,7 +48,12 @@ impl Drop for Made {
 static POOL: Made = Made(Mutex::new(None));
 
 fn build(builder: ThreadPoolBuilder) -> Result<ThreadPool, Failure> {
-    builder.build().map_err(|error| Failure::run(format!("cannot start threads: {error}")))
+    builder.build().map_err(unstarted)
+}
+
+/// The failure to start a thread.
+pub fn unstarted(error: impl std::fmt::Display) -> Failure {
+    Failure::run(format!("cannot start threads: {error}"))
 }
 
 /// An error if a number of threads is out of range.
@@ -100,8 +105,13 @@ pub fn detached<T: Send>(
         if rayon::current_thread_index().is_some() {
             // A thread of a pool that waits here would begin the next reach meanwhile, and run its controller inside this one's.
             let own = pool_of(jobs.unwrap_or_else(rayon::current_num_threads))?;
-            let joined = || std::thread::scope(|scope| scope.spawn(|| own.install(work)).join());
-            return guarded(|| joined().unwrap_or_else(|panic| resume_unwind(panic)));
+            let joined = || {
+                std::thread::scope(|scope| {
+                    let thread = std::thread::Builder::new().spawn_scoped(scope, || own.install(work));
+                    thread.map_err(unstarted)?.join().unwrap_or_else(|panic| resume_unwind(panic))
+                })
+            };
+            return guarded(joined);
         }
         let pool = jobs.map_or_else(|| POOL.get(0), |jobs| pool_of(jobs).map(Arc::new))?;
         guarded(|| pool.install(work))

@@ -105,10 +105,11 @@ pub fn watched<T: Send>(
     let (sender, receiver) = std::sync::mpsc::sync_channel(1);
     let receiver = Mutex::new(receiver);
     let result = std::thread::scope(|scope| {
-        scope.spawn(move || {
+        let thread = std::thread::Builder::new().spawn_scoped(scope, move || {
             // The receiver exists until the result has arrived.
             let _ = sender.send(pool::stoppable(jobs, Arc::clone(&stop.flag), || work(shown)));
         });
+        thread.map_err(pool::unstarted)?;
         loop {
             let come = py.detach(|| receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(PERIOD));
             match come {

@@ -52,6 +52,14 @@ def test_online_scores_are_those_of_trials(data: ub.Dataset) -> None:
     assert checked > 50
 
 
+def test_a_trial_beyond_the_list_is_refused(trials: ub.Trials) -> None:
+    """Tests that no number of a trial beyond the list is taken for one that counts from the end."""
+    model = ub.fit(trials, states=3)
+    for number in (len(trials), 2**64 - 1):
+        with pytest.raises((IndexError, OverflowError)):
+            model.scores_after(trials, number, [1])
+
+
 def test_frames_of_an_own_robot(data: ub.Dataset) -> None:
     """Tests that frames built from arrays, as for a real robot, and pickled give the verdicts of the recorded
     frames."""

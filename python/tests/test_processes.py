@@ -3,6 +3,8 @@
 import multiprocessing
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -96,3 +98,18 @@ def test_threads_may_share_what_does_not_change(data: ub.Dataset, trials: ub.Tri
     [thread.start() for thread in threads]
     [thread.join() for thread in threads]
     assert wrong == []
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="the limit does not hold for root")
+def test_threads_that_cannot_be_started_are_an_error() -> None:
+    """Tests that a call raises RunError if no further thread may be started."""
+    code = """
+import resource, underbrush
+resource.setrlimit(resource.RLIMIT_NPROC, (1, 1))
+try:
+    underbrush.inspect("leaf")
+except underbrush.RunError as error:
+    print(error)
+"""
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert answer.stdout.startswith("cannot start threads")

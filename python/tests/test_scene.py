@@ -30,6 +30,17 @@ def test_changes_are_merged() -> None:
     assert scene.changed({"goals": {"count": 2}}).name == "mixed"
 
 
+def test_changes_that_hold_themselves_are_refused() -> None:
+    """Tests that a dictionary and a list that hold themselves are refused."""
+    table: dict[str, object] = {}
+    table["goals"] = table
+    items: list[object] = []
+    items.append(items)
+    for changes in (table, {"goals": items}):
+        with pytest.raises(ub.InputError, match="16 dictionaries and lists within each other"):
+            ub.Scene("leaf").changed(changes)
+
+
 def test_infinity_stays_infinity() -> None:
     """Tests that a saturation that is switched off by infinity comes back from the dictionary of a scene, and that the
     dictionary can be given as a change."""

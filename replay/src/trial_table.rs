@@ -10,7 +10,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use underbrush_classifier::trial::TrialOptions;
-use underbrush_recording::limits::MAX_TAXELS;
+use underbrush_recording::limits::{MAX_PATCHES, MAX_TAXELS};
 use underbrush_recording::{
     Category, FRAME_PERIOD_S, Frame, Grid, InputError, ObjectRecord, Patch, Pose, Recording, SkinLayout, Taxel,
     TaxelReading, Trial, period_s,
@@ -31,7 +31,7 @@ const MOST_FRAMES: f64 = 720_000.0;
 ///
 /// # Errors
 /// If a trial has no taxel, as one of a contact region or of a sensor without taxels; if a category has a name that a
-/// recording cannot have; if a reach is too long; and if frames would change the trials.
+/// recording cannot have; if there are too many patches or taxels; if a reach is too long; and if frames would change the trials.
 pub fn reaches(path: &Path, trials: &[Trial]) -> Result<Vec<Recording>, InputError> {
     let layout = layout(path, trials)?;
     let objects = objects(path, trials)?;
@@ -79,7 +79,8 @@ pub fn check_model(path: &Path, judging: &Judging) -> Result<(), InputError> {
     Err(InputError::new(path, "model", found, allowed, remedy))
 }
 
-/// Each patch with all taxels up to the largest number, and further taxels that fill its last row.
+/// Each patch with all taxels up to the largest number, and further taxels that fill its last row. Without a limit, a short table of
+/// many patches would fill the memory.
 fn layout(path: &Path, trials: &[Trial]) -> Result<SkinLayout, InputError> {
     let mut taxels: BTreeMap<&str, usize> = BTreeMap::new();
     for trial in trials {
@@ -96,6 +97,12 @@ fn layout(path: &Path, trials: &[Trial]) -> Result<SkinLayout, InputError> {
         };
         let count = taxels.entry(patch_name(trial)).or_default();
         *count = taxel.saturating_add(1).max(*count);
+    }
+    let (patches, all) = (taxels.len(), taxels.values().sum::<usize>());
+    if patches > MAX_PATCHES || all > MAX_TAXELS {
+        let allowed = format!("at most {MAX_PATCHES} patches, with {MAX_TAXELS} taxels together");
+        let remedy = "correct the columns patch and taxel, or divide the table";
+        return Err(InputError::new(path, "patch", format!("{patches} patches with {all} taxels"), allowed, remedy));
     }
     let patch = |(name, count): (&str, usize)| {
         let columns = (1..).find(|columns| columns * columns >= count).unwrap_or(count);

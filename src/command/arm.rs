@@ -56,7 +56,7 @@ struct NewOptions {
     #[arg(long, value_name = "NAME=FOLDER", value_parser = package)]
     package: Vec<(String, PathBuf)>,
     /// Maximum number of convex hulls for each mesh: more hulls fit a bent link better but cost time in every step
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = options::whole(1..=16_u32))]
     hulls: u32,
     /// The arm file to write
     #[arg(long, value_name = "FILE.toml")]
@@ -78,7 +78,7 @@ struct SkinOptions {
     #[arg(long, value_name = "LINK")]
     link: String,
     /// Distance between neighbouring taxels, mm
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", value_parser = options::number(|_: &f64| true, "must be a length from 0.1 to 500 mm"))]
     pitch_mm: f64,
     /// Name of the patch
     #[arg(long, value_name = "NAME")]

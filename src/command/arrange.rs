@@ -7,6 +7,7 @@ use serde_json::json;
 use underbrush_report::suite_text::shell_word;
 use underbrush_sim::{ReachPlan, Scene};
 
+use crate::options::whole;
 use crate::{Failure, Overwrite, output};
 
 /// Options of `underbrush arrange`.
@@ -19,10 +20,10 @@ pub struct ArrangeOptions {
     /// Scene: the name of one that ships, such as mixed, or a scene file
     scene: PathBuf,
     /// Seed of the random numbers
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = whole(0..=u64::MAX))]
     seed: u64,
     /// Index of the reach: every index is a different draw of the scene
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = whole(0..=u64::MAX))]
     index: u64,
     /// The scene file to write (TOML)
     #[arg(long, value_name = "FILE.toml")]

@@ -7,6 +7,7 @@ use underbrush_experiments::suite::{Checked, Suite};
 use underbrush_report::suite_text;
 
 use super::overwrite::check_results_folder;
+use crate::options::whole;
 use crate::{Failure, Overwrite, Shown, output};
 
 /// Shown at the end of `underbrush check --help`.
@@ -30,7 +31,7 @@ docs/suites.md lists keys and metrics and explains the margin. Suites that ship 
 
 /// Options of `underbrush check`.
 #[derive(Args)]
-#[command(after_help = EXAMPLE)]
+#[command(after_help = EXAMPLE, mut_arg("force", |own| own.requires("out")))]
 pub struct CheckOptions {
     /// Suite files, such as suites/leaf.toml
     #[arg(required = true, value_name = "SUITE")]
@@ -39,7 +40,7 @@ pub struct CheckOptions {
     #[arg(long, conflicts_with = "seed")]
     bless: bool,
     /// Seed, instead of each file's: other draws of the same scenes
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(0..=u64::MAX))]
     seed: Option<u64>,
     /// Write the results to this folder: junit.xml for CI systems, and results.json with the values of all reaches
     #[arg(long, value_name = "DIR")]

@@ -6,7 +6,7 @@ use serde::Serialize;
 use underbrush_classifier::feature::{FEATURES, FeatureSet};
 use underbrush_classifier::fit_options::FitOptions;
 use underbrush_classifier::hmm::{InitialDistribution, Topology, TrainingOptions};
-use underbrush_classifier::recipe::STATES;
+use underbrush_classifier::recipe::{ITERATIONS, STATES};
 use underbrush_classifier::registry::{self, CLASSIFIERS};
 use underbrush_classifier::{ClassifierKind, Estimator, Recipe};
 
@@ -127,7 +127,7 @@ struct RecipeArguments {
     #[arg(long, value_parser = names(&Recipe::PRESETS))]
     recipe: Option<String>,
     /// Hidden states of each model [default: 10]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=STATES.max as i64))]
+    #[arg(long, value_name = "N", value_parser = options::whole(1..=STATES.max as u16))]
     states: Option<u16>,
     /// Allowed transitions between states [default: left-right]
     #[arg(long, value_parser = names(&Topology::NAMED))]
@@ -136,7 +136,7 @@ struct RecipeArguments {
     #[arg(long, value_parser = names(&InitialDistribution::NAMED))]
     initial: Option<String>,
     /// Maximum number of iterations of Baum-Welch [default: 500]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = options::whole(0..=ITERATIONS.max as usize))]
     iterations: Option<usize>,
     /// Stop when the log-likelihood rises by less than this fraction; 0 runs all iterations [default: 0.0001]
     #[arg(long, value_name = "X", value_parser = not_negative())]
@@ -145,7 +145,7 @@ struct RecipeArguments {
     #[arg(long, value_name = "X", value_parser = not_negative())]
     variance_floor: Option<f64>,
     /// Use only the first N samples of each trial
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = options::whole(1..=u32::MAX))]
     max_samples: Option<u32>,
 }
 

@@ -20,7 +20,7 @@ use underbrush_report::drawing::Rows;
 use super::touch::{self, Judge, RiskArguments, TouchDecisionArguments};
 use super::{DecisionArguments, EstimatorArguments, Overwrite};
 use crate::input::{self, Reaches};
-use crate::options::{self, TrialArguments, named};
+use crate::options::{self, TrialArguments, named, number};
 use crate::{Failure, output};
 
 /// Shown at the end of `underbrush evaluate --help`.
@@ -40,7 +40,7 @@ the object is an outlier. If the table says which trials no object touched, thes
 
 /// Options of `underbrush evaluate`.
 #[derive(Args)]
-#[command(after_help = ADVICE)]
+#[command(after_help = ADVICE, mut_arg("force", |own| own.requires("roc")))]
 pub struct EvaluateOptions {
     /// Data set (folder), recording, folder of recordings, or table of trials (`trial`, `category`, `time_s`, `force_n`
     /// are required). For the classifier touch: one or more data sets and recordings
@@ -51,7 +51,12 @@ pub struct EvaluateOptions {
     #[arg(long, conflicts_with = "model")]
     by_samples: bool,
     /// Number of folds
-    #[arg(long, default_value_t = Folds::COUNT, value_name = "N")]
+    #[arg(
+        long,
+        default_value_t = Folds::COUNT,
+        value_name = "N",
+        value_parser = number(|_: &usize| true, "must be a whole number, 2 or more")
+    )]
     folds: usize,
     /// How trials are grouped into folds [default: reach if every trial names its reach, else position; position with
     /// --preset paper]

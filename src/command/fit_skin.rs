@@ -18,7 +18,7 @@ use crate::{Failure, Overwrite, options, output};
 /// layer of the thickness 1/β. C and, if the press shows them, τ and 1/β are written as a file of materials,
 /// for `underbrush generate --materials FILE`.
 #[derive(Args)]
-#[command(group(ArgGroup::new("punch").required(true)))]
+#[command(group(ArgGroup::new("punch").required(true)), mut_arg("force", |own| own.requires("out")))]
 pub struct FitSkinOptions {
     /// The press test: CSV with the columns time_s, depth_m and force_n
     press: PathBuf,

@@ -26,10 +26,10 @@ pub struct GenerateOptions {
     scenes: Vec<PathBuf>,
     /// Number of reaches per scene
     #[arg(long, required_unless_present = "from", value_name = "N")]
-    #[arg(value_parser = clap::value_parser!(u64).range(REACHES))]
+    #[arg(value_parser = options::whole(REACHES))]
     reaches: Option<u64>,
     /// Seed of the random numbers: the same scenes, seed and version give the same bytes
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = options::whole(0..=u64::MAX))]
     seed: u64,
     /// Folder to write the data set to
     #[arg(long, value_name = "DIR")]

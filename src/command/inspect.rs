@@ -15,6 +15,7 @@ use underbrush_sim::materials::CONSTANTS;
 
 use super::schema::Kind;
 use super::{Overwrite, picture};
+use crate::options::whole;
 use crate::{Failure, output};
 
 /// Columns of the table of an arm's chain: title and key.
@@ -39,12 +40,13 @@ const LISTS: &[(&str, &str)] = &[
 
 /// Options of `underbrush inspect`.
 #[derive(Args)]
+#[command(mut_arg("force", |own| own.requires("still")))]
 pub struct InspectOptions {
     /// Scene (.toml) or its name, arm (.toml), data set (folder), recording or trials (.parquet), folder of recordings, trials
     /// (.csv) or model (.json)
     path: PathBuf,
     /// For a scene: seed of the draw that is tried [default: 0]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(0..=u64::MAX))]
     seed: Option<u64>,
     /// For a data set: also check that the joint torques and the stored contacts explain the motion of the arm
     #[arg(long)]

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, value_parser};
+use clap::Args;
 use glam::DVec3;
 use serde_json::json;
 use underbrush_recording::Recording;
@@ -12,7 +12,7 @@ use underbrush_report::replayed;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::scene::{Scene, SceneCamera};
 
-use crate::options::{number, pair};
+use crate::options::{number, pair, whole};
 use crate::{Failure, Overwrite, output, progress};
 
 /// Size of a picture, and of the pictures of a film, if nothing else is said.
@@ -29,7 +29,13 @@ pub struct PictureArguments {
     #[arg(long, value_name = "FILE.gif", groups = ["file", "picture"], conflicts_with_all = ["model", "patch", "port", "no_open"])]
     video: Option<PathBuf>,
     /// With --still: the moment, s after the start [default: when the most taxels read a force]
-    #[arg(long, value_name = "S", requires = "still", conflicts_with_all = ["out", "video"])]
+    #[arg(
+        long,
+        value_name = "S",
+        requires = "still",
+        conflicts_with_all = ["out", "video"],
+        value_parser = number(|_: &f64| true, "must be a time in s, 0 or more")
+    )]
     time: Option<f64>,
     /// Take the picture with this camera of the scene file. Recordings do not know their scene; data sets do
     #[arg(long, value_name = "NAME", conflicts_with_all = ["out", "eye", "target"], requires = "picture")]
@@ -44,7 +50,7 @@ pub struct PictureArguments {
     #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true, conflicts_with = "out", requires = "picture")]
     target: Option<DVec3>,
     /// With --video: pictures per second, 1 to 50, each shown for whole hundredths of a second, so that 30 becomes 33
-    #[arg(long, value_name = "N", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 20, value_parser = value_parser!(u16).range(1..=50))]
+    #[arg(long, value_name = "N", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 20, value_parser = whole(1..=50_u16))]
     fps: u16,
     /// With --video: how many times as fast as in reality it plays, 0.1 to 100
     #[arg(long, value_name = "X", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 1.0, value_parser = number(|speed: &f64| (0.1..=100.0).contains(speed), "give a number from 0.1 to 100"))]

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 use serde::Serialize;
 use underbrush_classifier::trial::{PatchImage, TrialOptions, Unit};
 use underbrush_experiments::{audit, contact_trials, dataset};
@@ -17,19 +17,22 @@ use underbrush_sim::{ControllerKind, ReachPlan, Scene};
 
 use super::replay::{ServerArguments, Watched};
 use super::{Overwrite, VerdictArguments, picture};
+use crate::options::whole;
 use crate::{Failure, Shown, input, output};
 
 /// Options of `underbrush reach`.
 #[derive(Args)]
 #[command(mut_arg("port", |own| own.requires("watch")), mut_arg("no_open", |own| own.requires("watch")))]
+#[command(group(ArgGroup::new("file").args(["out", "picture"]).multiple(true)))]
+#[command(mut_arg("force", |own| own.requires("file")))]
 pub struct ReachOptions {
     /// Scene: the name of one that ships, such as mixed, or a scene file
     scene: PathBuf,
     /// Seed of the random numbers
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = whole(0..=u64::MAX))]
     seed: u64,
     /// Index of the reach: every index is a different draw of the scene
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = whole(0..=u64::MAX))]
     index: u64,
     /// Controller to use instead of the scene's
     #[arg(long, value_parser = input::controller(), value_name = "NAME")]

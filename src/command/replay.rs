@@ -38,7 +38,7 @@ the reaches. While a browser is being opened, other users of the machine can see
 
 /// Options of `underbrush replay`.
 #[derive(Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, mut_arg("force", |own| own.requires("file")))]
 pub struct ReplayOptions {
     /// Data sets and folders of recordings, recordings and tables of contact trials (.csv or .parquet)
     #[arg(required = true)]
@@ -49,7 +49,14 @@ pub struct ReplayOptions {
     #[command(flatten)]
     overwrite: Overwrite,
     /// With a file to write: the reaches, by their numbers in the list from 0, such as 0,3,7 [default: all]
-    #[arg(long, value_name = "N,…", value_delimiter = ',', requires = "file", conflicts_with_all = ["port", "no_open"])]
+    #[arg(
+        long,
+        value_name = "N,…",
+        value_delimiter = ',',
+        requires = "file",
+        conflicts_with_all = ["port", "no_open"],
+        value_parser = options::number(|_: &usize| true, "must be whole numbers, 0 or more, with commas between them")
+    )]
     reaches: Vec<usize>,
     #[command(flatten, next_help_heading = "Pictures and films")]
     picture: PictureArguments,
@@ -71,7 +78,7 @@ pub struct ReplayOptions {
 #[derive(Args)]
 pub struct ServerArguments {
     /// Port to listen on; 0 takes a free one
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = options::whole(0..=u16::MAX))]
     pub port: u16,
     /// Do not open the page in a browser
     #[arg(long)]
@@ -162,7 +169,7 @@ impl ServerArguments {
             Command::new(program).arg(address).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
         // If there is no browser, no error is shown, because the address was printed.
         if let Ok(mut child) = quiet {
-            std::thread::spawn(move || child.wait());
+            let _ = std::thread::Builder::new().spawn(move || child.wait());
         }
     }
 }
@@ -196,7 +203,8 @@ impl<'a> Watched<'a> {
         let address = server.address.clone();
         output::remark(format!("the reach begins when {address} is opened in a browser"));
         arguments.show(&address);
-        let server = std::thread::spawn(move || server.run());
+        let server = std::thread::Builder::new().spawn(move || server.run());
+        let server = server.map_err(|error| Failure::run(format!("cannot start threads: {error}")))?;
         Ok(Watched { so_far: ReachSoFar::new(plan, index), verdicts, fault: None, live, server })
     }
 

@@ -7,6 +7,7 @@ use underbrush_experiments::definition::Experiment;
 use underbrush_report::reproduction::Reproduction;
 
 use super::overwrite::check_results_folder;
+use crate::options::whole;
 use crate::{Failure, Shown, interrupt, output};
 
 /// Options of `underbrush reproduce`.
@@ -38,12 +39,12 @@ pub struct ReproduceOptions {
     /// The paper's experiment uses 100. No parameter was chosen on that seed: creep, spurious readings and the contact
     /// threshold were chosen with Table I in view on seeds 1000 to 5005, patience and the number of goals on seeds 0 to
     /// 2.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(0..=u64::MAX))]
     seed: Option<u64>,
     /// Run N independent campaigns, of this seed and the next ones, and report mean and spread
     ///
     /// Each campaign's result is cached, so more can be added later.
-    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = whole(1..=10_000_u64))]
     campaigns: u64,
     /// Remove what another run has left in the folder, and start again
     #[arg(long)]

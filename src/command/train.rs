@@ -17,7 +17,7 @@ use underbrush_report::drawing::Rows;
 use super::touch::{self, RiskArguments, SimulatedArguments};
 use super::{EstimatorArguments, Overwrite};
 use crate::input::{self, TrialInput};
-use crate::options::TrialArguments;
+use crate::options::{TrialArguments, number};
 use crate::{Failure, output};
 
 /// Options of `underbrush train`.
@@ -51,7 +51,12 @@ pub struct TrainOptions {
     /// Choose thresholds by cross-validation, so that for each category at most this fraction of the held-out trials of
     /// other categories is classified as it. The thresholds are stored in the model and used by classify. They hold for
     /// whole trials; online, verdicts on the first samples of a contact are nearly always uncertain
-    #[arg(long, value_name = "X", conflicts_with = "start")]
+    #[arg(
+        long,
+        value_name = "X",
+        conflicts_with = "start",
+        value_parser = number(|_: &f64| true, "must be a number above 0 and below 1")
+    )]
     false_positive_rate: Option<f64>,
     /// With --false-positive-rate: the expected fraction of contacts that are outliers. Thresholds are chosen so that
     /// false alarms (known contacts called outliers) are no more frequent than this
@@ -60,7 +65,8 @@ pub struct TrainOptions {
         value_name = "X",
         default_value_t = ThresholdTargets::OUTLIER_PRIOR,
         requires = "false_positive_rate",
-        conflicts_with = "start"
+        conflicts_with = "start",
+        value_parser = number(|_: &f64| true, "must be a number from 0 to below 0.5")
     )]
     outlier_prior: f64,
     #[command(flatten)]

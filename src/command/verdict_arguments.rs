@@ -19,7 +19,12 @@ pub struct DecisionArguments {
     #[arg(long, value_enum)]
     decision: Option<DecisionName>,
     /// With `--decision uncertain`: margin of the best category below which a verdict is uncertain, nats [default: 15]
-    #[arg(long, alias = "lead", value_name = "NATS")]
+    #[arg(
+        long,
+        alias = "lead",
+        value_name = "NATS",
+        value_parser = options::number(|_: &f64| true, "must be a number of nats, 0 or more")
+    )]
     margin: Option<f64>,
     /// Prior of a category, such as leaf=0.7 [default: the model's own priors, or equal ones if it has none]
     #[arg(long, value_name = "CATEGORY=P", value_parser = prior)]

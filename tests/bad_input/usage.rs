@@ -72,11 +72,24 @@ fn scenes_that_do_not_go_together() {
     let feeling = scenes::write(folder.path(), "feeling.toml", scenes::FEW_TRUNKS);
     let parts = ["scenes blind and feeling", "different controllers, blind and cody-2013", "--controller"];
     underbrush!["generate", blind, feeling, "--reaches", "1", "--out", set].refused(&parts);
-    let twice = underbrush!["generate", feeling, feeling, "--reaches", "1", "--out", set];
-    twice.refused(&["two scenes are called feeling", "rename one file"]);
+    std::fs::create_dir(folder.path().join("other")).unwrap();
+    let namesake = scenes::write(&folder.path().join("other"), "feeling.toml", scenes::FEW_LEAVES);
+    let alike = underbrush!["generate", feeling, namesake, "--reaches", "1", "--out", set];
+    alike.refused(&["two scenes are called feeling", "rename one file"]);
     assert_empty(outputs.path());
     let chosen = underbrush!["generate", blind, feeling, "--reaches", "1", "--out", set, "--controller", "blind"];
     chosen.success();
+}
+
+/// Tests that a scene that is given twice is refused as such, also under another path.
+#[test]
+fn a_scene_given_twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
+    std::fs::create_dir(folder.path().join("sub")).unwrap();
+    let (again, set) = (folder.path().join("sub").join("..").join("trunk.toml"), folder.path().join("set"));
+    let twice = underbrush!["generate", scene, again, "--reaches", "1", "--out", set];
+    twice.refused(&["the scene trunk is given twice", "give it once"]);
 }
 
 /// Tests that numbers that make no sense are refused with the name of the option.
@@ -85,7 +98,7 @@ fn numbers_out_of_range() {
     let fixture = fixture();
     let outputs = tempfile::tempdir().unwrap();
     let (table, model, set) = (fixture.table_csv(), outputs.path().join("model.json"), outputs.path().join("set"));
-    underbrush!["train", table, "--out", model, "--states", "0"].refused(&["--states", "1..=1000"]);
+    underbrush!["train", table, "--out", model, "--states", "0"].refused(&["--states", "from 1 to 1000"]);
     underbrush!["train", table, "--out", model, "--tolerance", "nan"].refused(&["--tolerance", "zero or more"]);
     underbrush!["evaluate", table, "--folds", "1"].refused(&["error: 1 folds", "at least 2"]);
     underbrush!["evaluate", table, "--group", "position", "--decision", "uncertain", "--margin", "nan"]
@@ -96,13 +109,16 @@ fn numbers_out_of_range() {
         let jobs = format!("--jobs={jobs}");
         underbrush!["evaluate", table, jobs].refused(&["--jobs", "from 1 to 1024", "more threads than cores"]);
     }
-    underbrush!["train", table, "--out", model, "--max-samples", "0"].refused(&["--max-samples", "1.."]);
-    underbrush!["evaluate", table, "--max-samples", "0"].refused(&["--max-samples", "1.."]);
+    underbrush!["train", table, "--out", model, "--max-samples", "0"].refused(&["--max-samples", "from 1 to"]);
+    underbrush!["evaluate", table, "--max-samples", "0"].refused(&["--max-samples", "from 1 to"]);
     let [leaf, trunk] = ["--prior=leaf=1e308", "--prior=trunk=1e308"];
     underbrush!["classify", fixture.model(), table, leaf, trunk]
         .refused(&["the prior of leaf is 1e308", "1e-9 to 1e9"]);
     let scene = fixture.trunk_scene();
-    underbrush!["generate", scene, "--reaches", "0", "--out", set].refused(&["--reaches"]);
+    for reaches in ["0", "-1", "1.5"] {
+        let generate = underbrush!["generate", scene, "--reaches", reaches, "--out", set];
+        generate.refused(&["--reaches", "a whole number from 1 to 1000000"]);
+    }
     for threshold in ["-1", "nan"] {
         let train = underbrush!["train", fixture.dataset(), "--out", model, "--threshold-n", threshold];
         train.refused(&["threshold_n is", "a finite force from 0 N"]);

@@ -109,6 +109,29 @@ fn usage_errors_are_json_too() {
     assert!(underbrush!["--json", "--help"].success().contains("Commands:"));
 }
 
+/// Tests that no option answers a word in place of a number in the words of the parser of numbers, which do not say what is allowed.
+#[test]
+fn options_say_which_numbers_are_allowed() {
+    let others = subcommands().into_iter().filter(|name| name != "arm").map(|name| vec![name]);
+    let of_arm = ["new", "skin"].map(|name| vec!["arm".to_owned(), name.to_owned()]);
+    for command in others.chain(of_arm) {
+        let with = |further: &[&str]| {
+            let arguments = command.iter().map(String::as_str).chain(further.iter().copied());
+            call(arguments.map(OsString::from).collect(), "")
+        };
+        let help = with(&["--help"]).success();
+        let named = help.lines().filter_map(|line| line.trim_start().split_once(" <"));
+        for (option, _) in named.filter(|(option, _)| option.starts_with("--") && !option.contains(' ')) {
+            // Nothing is run without threads.
+            let answer = with(&[option, "word", "--jobs", "0"]);
+            assert_eq!(answer.status, 2, "{command:?} {option}");
+            let is_of_parser =
+                ["invalid digit", "invalid float", "is not in"].iter().any(|own| answer.stderr.contains(own));
+            assert!(!is_of_parser, "{command:?}: {}", answer.stderr);
+        }
+    }
+}
+
 /// Tests that an error about a line of a file has the file, the line and what is allowed as values of their own.
 #[test]
 fn an_error_about_a_line_has_all_values() {
@@ -132,4 +155,30 @@ fn a_result_is_not_followed_by_an_error() {
     assert_eq!(answer.status, 1, "{}", answer.stderr);
     let report: Value = serde_json::from_str(&answer.stdout).unwrap();
     assert_eq!(report["sound"], false);
+}
+
+/// What the program does with these arguments after a limit of the shell.
+#[cfg(target_os = "linux")]
+fn limited(limit: &str, arguments: &str) -> std::process::Output {
+    let script = format!("ulimit {limit} && exec \"$0\" {arguments}");
+    let mut shell = std::process::Command::new("bash");
+    shell.args(["-c", &script, env!("CARGO_BIN_EXE_underbrush")]).env("RAYON_NUM_THREADS", "1024").output().unwrap()
+}
+
+/// Tests that threads for which there is no memory are no internal error.
+#[test]
+#[cfg(target_os = "linux")]
+fn threads_without_memory_are_no_bug() {
+    let output = limited("-v 1000000", "inspect leaf --json");
+    let object: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((output.status.code(), object["error"]["kind"].as_str()), (Some(1), Some("run")), "{object}");
+}
+
+/// Tests that a program that may start no thread says so. The limit does not hold for root.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_program_without_threads_is_not_silent() {
+    let output = limited("-u 1", "schema");
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() || stderr.starts_with("error: cannot start threads"), "{} {stderr}", output.status);
 }

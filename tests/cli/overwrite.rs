@@ -57,6 +57,22 @@ fn what_exists_is_overwritten_only_by_force() {
     }
 }
 
+/// Tests that `--force` is refused where nothing is written without a further option.
+#[test]
+fn force_needs_an_output() {
+    for (arguments, missing) in [
+        (&["reach", "leaf"][..], "--picture"),
+        (&["evaluate", "trials.csv"], "--roc"),
+        (&["inspect", "arm.toml"], "--still"),
+        (&["replay", "set"], "--video"),
+        (&["check", "suite.toml"], "--out"),
+        (&["fit-skin", "press.csv", "--ball-radius-mm", "5"], "--out"),
+    ] {
+        let arguments = arguments.iter().chain(&["--force"]).map(OsString::from).collect();
+        call(arguments, "").refused(&["required", missing]);
+    }
+}
+
 /// Tests that an input is not overwritten by a name that leads to it through a folder that is still to be made.
 #[test]
 fn an_input_is_recognized_behind_a_new_folder() {

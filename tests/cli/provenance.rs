@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use underbrush_recording::Recording;
-use underbrush_recording::disk::{Dataset, DatasetPlan, DatasetWriter};
+use underbrush_recording::disk::{Dataset, DatasetPlan, DatasetWriter, Shard};
 
 use super::resume::interrupted;
 use crate::support::fixture::fixture;
@@ -214,4 +214,46 @@ fn a_set_of_another_program_is_refused() {
     altered(&fixture().dataset(), &foreign, driver, |_, _| {});
     let call = underbrush!["generate", "--from", foreign, "--out", folder.path().join("none")];
     call.refused(&["robot-driver", "underbrush generate"]);
+}
+
+/// Tests that a set that says to be a part of no parts is refused.
+#[test]
+fn a_part_of_no_parts_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = folder.path().join("part");
+    let of_none = |plan: &mut DatasetPlan| plan.provenance.shard = Some(Shard { index: 0, count: 0 });
+    altered(&fixture().dataset(), &part, of_none, |_, _| {});
+    let call = underbrush!["generate", "--from", part, "--out", folder.path().join("none")];
+    call.refused(&["provenance.json", "shard.index: found 0", "a number below 0"]);
+}
+
+/// Tests that a set that says to be of more reaches than any campaign has is refused before the reaches are listed, which would fill
+/// the memory.
+#[test]
+fn a_set_of_too_many_reaches_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let endless = folder.path().join("endless");
+    let many = |plan: &mut DatasetPlan| plan.provenance.scenes[0].reaches = u64::MAX;
+    altered(&fixture().dataset(), &endless, many, |_, _| {});
+    let call = underbrush!["generate", "--from", endless, "--out", folder.path().join("none")];
+    call.refused(&["provenance.json", "scenes[0].reaches: found 18446744073709551615", "1 to 1000000"]);
+}
+
+/// Tests that the audit refuses a set whose frames have a joint that the stored arm lacks.
+#[test]
+fn an_audit_with_another_arm_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = folder.path().join("set");
+    let one_more = |plan: &mut DatasetPlan| plan.joint_names.push("thumb".into());
+    let moved = |_: usize, recording: &mut Recording| {
+        recording.joint_names.push("thumb".into());
+        for frame in &mut recording.frames {
+            frame.joint_angle_rad.push(0.0);
+            frame.joint_velocity_rad_per_s.push(0.0);
+            frame.equilibrium_angle_rad.push(0.0);
+            frame.joint_torque_nm.push(0.0);
+        }
+    };
+    altered(&fixture().dataset(), &set, one_more, moved);
+    underbrush!["inspect", set, "--audit"].refused(&["provenance.json", "arms[0]", "thumb"]);
 }

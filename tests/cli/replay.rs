@@ -203,7 +203,7 @@ fn bad_pictures_are_refused() {
         "1 mm apart",
         "move the camera",
     ]);
-    underbrush!["replay", set, "--reaches", "0", "--video", gif, "--fps", "51"].refused(&["51", "--fps", "1..=50"]);
+    underbrush!["replay", set, "--reaches", "0", "--video", gif, "--fps", "51"].refused(&["51", "--fps", "1 to 50"]);
     underbrush!["replay", set, "--reaches", "0", "--video", gif, "--speed", "nan"].refused(&["--speed", "0.1 to 100"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--fps", "5"].refused(&["--fps", "--still"]);
     underbrush!["replay", set, "--fps", "5"].refused(&["--video"]);

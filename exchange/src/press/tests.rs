@@ -147,6 +147,17 @@ fn poor_presses_are_refused() {
     assert_eq!(fit_press(&level, punch), Err(PressError::Indistinct));
 }
 
+/// Tests that depths and forces whose squares are infinite are refused.
+#[test]
+fn extreme_numbers_are_refused() {
+    let sample = |at: i32| {
+        let number = 1e200 * f64::from(at);
+        PressSample { time_s: 0.01 * f64::from(at), depth_m: number, force_n: number }
+    };
+    let samples: Vec<PressSample> = (1..=60).map(sample).collect();
+    assert_eq!(fit_press(&samples, Punch::Flat(4e-4)), Err(PressError::Indistinct));
+}
+
 /// Tests that a faulty row is refused with its own line, also after blank lines.
 #[test]
 fn a_faulty_row_is_named_by_its_line() {

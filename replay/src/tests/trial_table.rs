@@ -152,6 +152,14 @@ fn what_cannot_be_shown_is_refused() {
     assert!(refused(trial(0, 0, 0, "unknown", 0, 1)).allowed.ends_with("not none, uncertain or unknown"));
 }
 
+/// Tests that a table with more taxels than a skin can have is refused, also if no patch has too many.
+#[test]
+fn more_taxels_than_a_skin_has_are_refused() {
+    let on = |patch: &str| Trial { patch: Some(patch.into()), ..trial(0, 0, 40_000, "leaf", 0, 1) };
+    let error = reaches(Path::new("log.csv"), &[on("palm"), on("thumb")]).unwrap_err();
+    assert_eq!((error.field.as_str(), error.found.as_str()), ("patch", "2 patches with 80002 taxels"));
+}
+
 /// Tests that the label `nothing` is that of readings without an object.
 #[test]
 fn nothing_is_no_object() {

@@ -351,3 +351,6 @@ impl Scene {
             && gaps_m(&first.found_extent, &second.found_extent).max_element() <= within_m
     }
 }
+
+#[cfg(test)]
+mod tests;

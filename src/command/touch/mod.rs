@@ -20,7 +20,7 @@ use underbrush_recording::disk::{UnfinishedFolder, with_recordings};
 use underbrush_sim::scene::{Scene, shipped_by_name};
 
 use crate::input::{self, Reaches};
-use crate::options::{self, number};
+use crate::options::{self, number, whole};
 use crate::{Failure, Shown, output};
 
 /// How probabilities become verdicts. Options that are not given stay as in the model.
@@ -199,10 +199,10 @@ pub fn evaluate(
 #[derive(Args)]
 pub struct SimulatedArguments {
     /// With --classifier touch and scenes in place of data sets: simulate this many reaches of each scene
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(REACHES))]
+    #[arg(long, value_name = "N", value_parser = whole(REACHES))]
     reaches: Option<u64>,
     /// Seed of these reaches, as for `underbrush generate`
-    #[arg(long, default_value_t = 0, value_name = "N", requires = "reaches")]
+    #[arg(long, default_value_t = 0, value_name = "N", requires = "reaches", value_parser = whole(0..=u64::MAX))]
     seed: u64,
 }
 

@@ -71,3 +71,24 @@ fn noise_does_not_depend_on_the_noise_of_the_other_technology() {
     };
     assert_eq!(readings(0.0), readings(0.02));
 }
+
+/// Tests that contacts in earlier frames leave the draws of the noise as they are, with both responses of the fabric.
+#[test]
+fn noise_does_not_depend_on_earlier_contacts() {
+    for response in [FabricResponse::TotalForce, FabricResponse::Conductance] {
+        let fabric = FabricOptions { noise_n: 0.01, response, ..SensorOptions::off().fabric };
+        let options = SensorOptions { noise_n: 0.01, fabric, ..SensorOptions::off() };
+        let readings = |touched: bool| {
+            let mut sensor = sensor(&options);
+            for _ in 0..7 {
+                if touched {
+                    sensor.press(FOREARM, 3, 2.0);
+                    sensor.press(FLIPPER, 20, 5.0);
+                }
+                sensor.sample();
+            }
+            [(FOREARM, 3), (FLIPPER, 20)].map(|taxel| press(&mut sensor, taxel, 1.0))
+        };
+        assert_eq!(readings(true), readings(false), "{response:?}");
+    }
+}
