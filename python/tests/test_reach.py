@@ -168,6 +168,14 @@ def test_reaches_are_saved_and_pickled(tmp_path: Path) -> None:
         reach.frame(len(reach))
 
 
+def test_a_reach_is_saved_under_a_name_that_commands_read(data: ub.Dataset, tmp_path: Path) -> None:
+    """Tests that a reach is not saved under a name that no command takes for a reach."""
+    for name in ("reach.txt", "reach"):
+        with pytest.raises(ub.InputError, match="a name that ends in .parquet"):
+            data[0].save(tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_reach_equals_that_of_the_command_line(tmp_path: Path, command) -> None:
     """Tests that a reach from Python is the same file as one from the command line."""
     command("reach", _scene_file(tmp_path), "--seed", 5, "--out", tmp_path / "cli.parquet")

@@ -62,7 +62,8 @@ impl InputError {
         // The parser's own line numbers do not count blank lines, so they are left out of the messages.
         let (found, allowed) = match error.into_kind() {
             csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-                (format!("{len} cells"), format!("{expected_len} cells, as in the header"))
+                let cells = |count: u64| if count == 1 { "1 cell".to_owned() } else { format!("{count} cells") };
+                (cells(len), format!("{}, as in the header", cells(expected_len)))
             }
             csv::ErrorKind::Utf8 { .. } => ("bytes that are not UTF-8".into(), "UTF-8 text".to_string()),
             csv::ErrorKind::Deserialize { err, .. } => (err.to_string(), "a number in each of the columns".into()),

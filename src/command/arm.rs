@@ -154,14 +154,20 @@ fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
         let held = if files.held.is_empty() { String::new() } else { format!("; held: {}", files.held.join(", ")) };
         let (joints, links) = (output::counted(files.arm.joints.len(), "joint", "joints"), links.join(", "));
         let word = shell_word(&out);
-        let hulls = output::counted(files.hulls, "hull", "hulls");
+        let hulls = match files.hulls {
+            0 => "no hulls of meshes".to_owned(),
+            count => {
+                let hulls = output::counted(count, "hull", "hulls");
+                format!("{hulls}; meshes stand out at most {outside_mm:.1} mm")
+            }
+        };
         let wrote = match keeps_skin {
             true => format!("{out} and {scene}; kept {skin}"),
             false => format!("{out}, {skin} and {scene}"),
         };
         format!(
             "Wrote {wrote}.\n{joints}{held}\nlinks: {links}\n\
-             {hulls}; meshes stand out at most {outside_mm:.1} mm\n\
+             {hulls}\n\
              Next: underbrush arm skin {word} --link LINK --pitch-mm 10 --patch NAME\n"
         )
     })

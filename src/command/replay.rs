@@ -1,5 +1,6 @@
 //! `underbrush replay`: shows reaches in the browser, or draws them; and a reach that is shown while it is simulated.
 
+use std::collections::BTreeSet;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -86,7 +87,9 @@ pub struct ServerArguments {
 }
 
 /// Serves the page or writes it.
-pub fn run(options: ReplayOptions, json: bool) -> Result<(), Failure> {
+pub fn run(mut options: ReplayOptions, json: bool) -> Result<(), Failure> {
+    let mut chosen = BTreeSet::new();
+    options.reaches.retain(|number| chosen.insert(*number));
     if let Some(out) = &options.out {
         options.overwrite.file(out, options.inputs.iter().chain(&options.model))?;
     }

@@ -239,10 +239,20 @@ fn leaves_without_foam() {
     refuses(&text, Some(4), &["objects.leaf[0].count: found 3", "1000 had no foam to stand in"]);
 }
 
-/// Tests that goals out of reach of the arm are refused.
+/// Tests that goals out of reach of the arm are refused as such, also if there are plants elsewhere.
 #[test]
 fn goals_out_of_reach() {
     let text = format!("{HEAD}[goals]\nx_m = 4.0\n\n[[objects.trunk]]\ncount = 1\n");
+    let parts = ["goals: found no goal number 1", "5000 are farther than the arm is long", "where the arm has room"];
+    refuses(&text, None, &parts);
+}
+
+/// Tests that goals in reach but far from all plants are refused with the patch that does not meet any.
+#[test]
+fn goals_beside_the_plants() {
+    let goal = "x_m = 0.5\ny_m = -0.2\nz_m = -0.25\n";
+    let trunk = "[[objects.trunk]]\ncount = 1\nplace = { x_m = 0.5, y_m = 0.6 }\n";
+    let text = format!("{HEAD}[goals]\n{goal}{trunk}");
     refuses(&text, None, &["goals: found no goal number 1", "on a straight way to 5000", "change"]);
     refuses(
         &text,
@@ -264,6 +274,14 @@ fn unknown_controller() {
             "correct this line",
         ],
     );
+}
+
+/// Tests that an empty summary and an empty path of an arm are refused.
+#[test]
+fn empty_texts() {
+    let parts = ["summary: found \" \"", "a sentence that says what the scene shows", "change the value"];
+    refuses(&format!("summary = \" \"\n\n{LEAF}"), Some(1), &parts);
+    refuses(&format!("{HEAD}arm = \"\"\n"), Some(3), &["arm: found \"\"", "cody, or the path of an arm file"]);
 }
 
 /// Tests that a missing scene file is reported as such.

@@ -266,6 +266,18 @@ fn what_new_says() {
     assert!(std::fs::read_to_string(folder.path().join("crane.skin.toml")).unwrap().contains("[[patch]]"));
 }
 
+/// Tests that nothing is said to stand out over hulls if the URDF has no meshes.
+#[test]
+fn an_arm_without_meshes_has_no_hulls() {
+    let folder = tempfile::tempdir().unwrap();
+    let urdf = write_urdf(folder.path());
+    let mesh = "<mesh filename=\"package://crane/meshes/beam.obj\" scale=\"0.001 0.001 0.001\"/>";
+    let text = std::fs::read_to_string(&urdf).unwrap().replace(mesh, "<box size=\"0.06 0.06 0.3\"/>");
+    std::fs::write(&urdf, text).unwrap();
+    let made = underbrush!["arm", "new", urdf, "--tip", "tip", "--out", folder.path().join("crane.toml")].success();
+    assert!(made.contains("\nno hulls of meshes\n"), "{made}");
+}
+
 /// Tests that a reach in which nothing touches the skin says so, and that one without skin does not.
 #[test]
 fn skin_that_nothing_touches_is_a_warning() {

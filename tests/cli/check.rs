@@ -138,6 +138,20 @@ fn a_limit_of_the_file_is_not_blessed() {
     assert!(answer.stderr.contains("1 bound does not hold: --bless keeps the limits of `audit`"), "{}", answer.stderr);
 }
 
+/// Tests that metrics without a bound are counted apart from bounds that do not hold.
+#[test]
+fn metrics_without_a_bound_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = small(folder.path());
+    let text = replaced(&std::fs::read_to_string(&file).unwrap(), "audit = { at_most = 1 }", "audit = {}");
+    std::fs::write(&file, &text).unwrap();
+    let both = underbrush!["check", &file].stderr;
+    assert!(both.contains("1 bound does not hold, and 1 metric has no bound yet; if the change"), "{both}");
+    std::fs::write(&file, replaced(&text, "trunk = { at_most = 0.001 }", "trunk = {}")).unwrap();
+    let open = underbrush!["check", &file].stderr;
+    assert!(open.contains("2 metrics have no bound yet; write bounds") && !open.contains("not hold"), "{open}");
+}
+
 /// Tests that a suite can have a touch model, and that its verdict `nothing` has metrics of its own.
 #[test]
 fn touch_models_judge_suites() {

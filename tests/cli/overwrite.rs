@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::Path;
 
 use crate::support::fixture::fixture;
-use crate::support::{call, scenes, tree, underbrush};
+use crate::support::{call, copy_tree, scenes, tree, underbrush};
 
 /// Calls that write something new below the folder, one for each kind of output.
 fn calls(folder: &Path) -> Vec<Vec<OsString>> {
@@ -81,6 +81,18 @@ fn an_input_is_recognized_behind_a_new_folder() {
     std::fs::copy(fixture().table_csv(), &table).unwrap();
     let out = folder.path().join("new/../trials.csv");
     underbrush!["trials", table, "--out", out, "--force"].refused(&["an input of this command"]);
+}
+
+/// Tests that no file is written into a data set that is an input, nor a folder for it.
+#[test]
+fn nothing_is_written_into_an_input_set() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = folder.path().join("set");
+    copy_tree(&fixture().dataset(), &set);
+    let before = tree(&set);
+    underbrush!["trials", set, "--out", set.join("trials.csv")].refused(&["an input of this command"]);
+    underbrush!["replay", set, "--out", set.join("new/page.html")].refused(&["an input of this command"]);
+    assert!(before == tree(&set) && !set.join("new").exists());
 }
 
 /// Tests that the name of a folder in place of that of a file is refused before the work, also if there is no such folder.

@@ -7,8 +7,8 @@ use super::touch;
 use crate::support::fixture::fixture;
 use crate::support::{call, scenes, underbrush};
 
-/// Tests that the chosen reaches of a data set are written with verdicts to one file, and that the size of this file is
-/// reported.
+/// Tests that the chosen reaches of a data set are written with verdicts to one file, each of them once, and that the size of
+/// this file is reported.
 #[test]
 fn reaches_are_written_as_one_file() {
     let folder = tempfile::tempdir().unwrap();
@@ -19,7 +19,7 @@ fn reaches_are_written_as_one_file() {
         "--model",
         fixture().model(),
         "--reaches",
-        "0,4",
+        "0,4,0",
         "--out",
         page,
         "--json"

@@ -105,7 +105,10 @@ impl LineParser {
             let touched = &self.layout.patches[usize::from(patch)];
             let count = touched.taxels.len();
             let taxel = u16::deserialize(&reading["taxel"]).ok().filter(|taxel| usize::from(*taxel) < count);
-            let range = || format!("a taxel of patch {}: 0 to {}", touched.name, count.saturating_sub(1));
+            let range = || match count.checked_sub(1) {
+                Some(last) => format!("a taxel of patch {}: 0 to {last}", touched.name),
+                None => format!("no reading of patch {}, which has no taxels", touched.name),
+            };
             let taxel = taxel.ok_or_else(|| fault("taxel", &range()))?;
             let force_n = within(SENSED_FORCE_N, &reading["sensed_force_n"]);
             let sensed_force_n = force_n.map_err(|allowed| fault("sensed_force_n", &allowed))?;

@@ -107,7 +107,7 @@ impl Default for TrialSection {
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrainingScene {
-    /// Scene file, relative to this file.
+    /// Scene: the name of one that ships, such as mixed, or a scene file, relative to this file.
     pub scene: String,
     /// Category of every trial from this scene.
     pub label: String,
@@ -130,7 +130,7 @@ impl TrainingScene {
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EngineeredScene {
-    /// Scene file, relative to this file. Its objects, or its `stream`, differ from those of the training scenes.
+    /// Scene, as in `training`. Its objects, or its `stream`, differ from those of the training scenes.
     pub scene: String,
     /// Category that the skin must touch, and nothing else: a label of the training scenes.
     pub label: String,
@@ -147,7 +147,7 @@ fn default_draws() -> u64 {
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TestScene {
-    /// Scene file, relative to this file. Its objects, or its `stream`, differ from those of the training scenes.
+    /// Scene, as in `training`. Its objects, or its `stream`, differ from those of the training scenes.
     pub scene: String,
     /// Number of reaches to test on.
     pub reaches: usize,
@@ -163,8 +163,7 @@ pub struct TestScene {
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VerdictSection {
-    /// A scene in which the arm touches every category, relative to this file. Its reaches differ from those of
-    /// `general`.
+    /// A scene in which the arm touches every category. Its reaches differ from those of `general`.
     pub scene: String,
     /// Scenes of unknown objects to train on, with as many reaches each. Left out of quick runs: without them nothing is
     /// called unknown.
@@ -180,7 +179,7 @@ pub struct VerdictSection {
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerSection {
-    /// A scene, relative to this file.
+    /// A scene, as in `training`.
     pub scene: String,
     /// Number of reaches.
     pub reaches: u64,

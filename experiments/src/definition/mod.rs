@@ -32,7 +32,7 @@ pub struct Experiment {
     pub name: String,
     /// The content of the file.
     pub file: ExperimentFile,
-    /// Scenes by the path that the file gives.
+    /// Scenes by the path or name that the file gives.
     pub scenes: BTreeMap<String, Scene>,
     /// The arm of all scenes, if the file names one.
     pub arm: Option<Arm>,
@@ -74,7 +74,9 @@ impl Experiment {
     pub fn load(path: &Path) -> Result<Self, InputError> {
         let text = files::read(path, "experiment")?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::parse(path, &text, |name, field| Scene::load(folder.join(name)).map_err(|error| field.named(error)))
+        Self::parse(path, &text, |name, field| {
+            Scene::open_in(folder, Path::new(name)).map_err(|error| field.named(error))
+        })
     }
 
     /// Checks the text of an experiment file; `scene` reads a scene that it names.

@@ -53,11 +53,6 @@ impl Checked {
         write(&texts)?;
         Ok(Checked { passed: results.iter().all(|result| result.passed), suites: results })
     }
-
-    /// Number of bounds that do not hold.
-    pub fn broken(&self) -> usize {
-        self.suites.iter().map(|result| result.broken().count()).sum()
-    }
 }
 
 /// The text of the file with new bounds, against which the result is checked. A file is never replaced by one that cannot

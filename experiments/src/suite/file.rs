@@ -109,7 +109,7 @@ impl Default for BlessSection {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneEntry {
-    /// Scene file, relative to the suite file.
+    /// Scene: the name of one that ships, such as mixed, or a scene file, relative to the suite file.
     pub scene: String,
     /// Number of reaches: indices 0, 1, … of the suite's seed, each a draw of its own.
     pub reaches: u64,

@@ -49,6 +49,8 @@ pub struct Suite {
 pub struct SuiteScene {
     /// The scene with arm, controller and seed.
     pub plan: ReachPlan,
+    /// Its file, or the name of one that ships, by which commands find it.
+    pub name_or_path: String,
     /// Number of reaches.
     pub reaches: u64,
     /// The bounds, in the order of the file.
@@ -155,7 +157,8 @@ fn scene(
     model: Option<&OnlineModel>,
 ) -> Result<SuiteScene, InputError> {
     let named = |error| source.field("scenes.scene", &entry.scene).named(error);
-    let plan = ReachPlan::new(Scene::load(folder.join(&entry.scene)).map_err(named)?, file.controller, file.seed)?;
+    let scene = Scene::open_in(folder, Path::new(&entry.scene)).map_err(named)?;
+    let plan = ReachPlan::new(scene, file.controller, file.seed)?;
     if let Some(model) = model {
         model.begin(&plan.arm.skin.layout).map_err(|error| {
             let file = file.model.as_ref().map_or("", |own| own.file.as_str());
@@ -168,5 +171,7 @@ fn scene(
         let allowed = "at least one bound under [scenes.bounds]; `{}` in place of a bound lets --bless choose it";
         return Err(source.field("scenes.scene", &entry.scene).fault("no bounds", allowed));
     }
-    Ok(SuiteScene { plan, reaches: entry.reaches, bounds })
+    let path = folder.join(&entry.scene);
+    let name_or_path = if path.is_file() { path.display().to_string() } else { entry.scene.clone() };
+    Ok(SuiteScene { plan, name_or_path, reaches: entry.reaches, bounds })
 }

@@ -36,7 +36,7 @@ pub struct SuiteResult {
 pub struct SceneResult {
     /// Name of the scene.
     pub scene: String,
-    /// Its file.
+    /// Its file, or the name of one that ships.
     pub file: String,
     /// Name of the controller.
     pub controller: String,
@@ -108,7 +108,7 @@ impl BoundResult {
 }
 
 impl SuiteResult {
-    /// Broken bounds, each with its scene.
+    /// Broken bounds, also those that the file does not give yet, each with its scene.
     pub fn broken(&self) -> impl Iterator<Item = (&SceneResult, &BoundResult)> {
         let all = self.scenes.iter().flat_map(|scene| scene.bounds.iter().map(move |bound| (scene, bound)));
         all.filter(|(_, bound)| bound.verdict != BoundVerdict::Holds)
@@ -182,7 +182,7 @@ fn result_of(scene: &SuiteScene, reaches: &[OneReach]) -> SceneResult {
     };
     SceneResult {
         scene: scene.plan.scene.name.clone(),
-        file: scene.plan.scene.path.display().to_string(),
+        file: scene.name_or_path.clone(),
         controller: scene.plan.controller_name(),
         reaches: scene.reaches,
         goals: reaches.iter().map(|reach| reach.goals).sum(),

@@ -280,6 +280,13 @@ fn faults_of_scenes_name_the_scene() {
     assert!(missing.to_string().contains(&scene.display().to_string()), "{missing}");
 }
 
+/// Tests that an experiment takes the name of a scene that ships.
+#[test]
+fn scenes_that_ship_have_names() {
+    let (_folder, path) = written(&SMALL.replace("one.toml", "leaf"));
+    assert_eq!(Experiment::load(&path).unwrap().scenes["leaf"].name, "leaf");
+}
+
 /// Tests that labels without an object of that name are refused if verdicts are compared with objects, and allowed
 /// otherwise.
 #[test]

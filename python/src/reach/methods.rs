@@ -10,7 +10,7 @@ use underbrush_experiments::{contact_trials, model_data};
 use underbrush_recording::disk::{
     Dataset, check_free, read_recording, recording_columns, recording_table, write_recording,
 };
-use underbrush_recording::{Body, Recording};
+use underbrush_recording::{Body, InputError, Recording};
 use underbrush_render::Stage;
 
 use super::{Reach, Source};
@@ -41,9 +41,15 @@ impl Reach {
         Ok(Reach { file: Some(file), ..Reach::of_recording(recording) })
     }
 
-    /// Write the reach to a file (Parquet). Only with ``force`` is a file overwritten.
+    /// Write the reach to a file (Parquet), whose name ends in ``.parquet``. Only with ``force`` is a file overwritten.
     #[pyo3(signature = (path, *, force = false))]
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> Result<(), Failure> {
+        // Commands take a file of another name for something else.
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        if !extension.eq_ignore_ascii_case("parquet") {
+            let (found, allowed) = (format!("extension {extension:?}"), "a name that ends in .parquet");
+            return Err(InputError::new(&path, "file name", found, allowed, "choose such a name").into());
+        }
         alone(py, || {
             check_free(&path, force)?;
             Ok(write_recording(&path, &*self.recording()?)?)

@@ -53,20 +53,23 @@ pub(super) fn draw_goals(
                 return None;
             }
             rejected.tried += 1;
+            let is_beyond_length = arm.shoulder_world.distance(goal) > arm.length_m;
             if !plants.is_empty() && !passes_through(arm, &plants, from, goal) {
-                rejected.beside += 1;
+                let count = if is_beyond_length { &mut rejected.beside_beyond_length } else { &mut rejected.beside };
+                *count += 1;
                 return None;
             }
             match surroundings.admit(&arm.arm, goal, for_postures) {
                 Ok(()) => return Some(goal),
                 Err(Some(by)) => *rejected.blocked.entry(by).or_default() += 1,
-                Err(None) if arm.shoulder_world.distance(goal) > arm.length_m => rejected.beyond_length += 1,
+                Err(None) if is_beyond_length => rejected.beyond_length += 1,
                 Err(None) => rejected.no_posture += 1,
             }
             None
         });
         let goal = goal.ok_or_else(|| {
-            let first = arm.arm.skin.layout.patches.first().filter(|_| rejected.beside == rejected.tried);
+            let is_skin_beside = rejected.beside > 0 && rejected.sought() == 0;
+            let first = arm.arm.skin.layout.patches.first().filter(|_| is_skin_beside);
             let skin =
                 first.map(|own| format!("; the skin here is its first patch, {} of link {}", own.name, own.link));
             let found = format!("no goal number {} in {}{}", number + 1, rejected.text(), skin.unwrap_or_default());
@@ -87,7 +90,9 @@ pub(super) fn draw_goals(
 struct Rejected {
     tried: usize,
     beside: usize,
-    /// Farther from the shoulder than the arm is long.
+    /// Beside the plants, and farther from the shoulder than the arm is long.
+    beside_beyond_length: usize,
+    /// Farther from the shoulder than the arm is long, of those for which postures were sought.
     beyond_length: usize,
     /// Out of reach within the limits of the joints.
     no_posture: usize,
@@ -102,7 +107,8 @@ impl Rejected {
     }
 
     fn text(&self) -> String {
-        let Rejected { tried, beside, beyond_length, no_posture, blocked } = self;
+        let Rejected { tried, beside, beside_beyond_length, beyond_length, no_posture, blocked } = self;
+        let beyond_length = beside_beyond_length + beyond_length;
         let blocked =
             blocked.iter().map(|(by, count)| format!(", at {count} every posture found is too close to {by}"));
         format!(

@@ -80,8 +80,16 @@ impl Scene {
     /// # Errors
     /// When no scene of this name ships and there is no such file, and as [`Scene::load`].
     pub fn open(name_or_path: impl AsRef<Path>) -> Result<Scene, InputError> {
-        let path = name_or_path.as_ref();
-        let name = path.to_string_lossy();
+        Scene::open_in(Path::new(""), name_or_path.as_ref())
+    }
+
+    /// As [`Scene::open`], with paths relative to a folder.
+    ///
+    /// # Errors
+    /// As [`Scene::open`].
+    pub fn open_in(folder: &Path, name_or_path: &Path) -> Result<Scene, InputError> {
+        let path = &folder.join(name_or_path);
+        let name = name_or_path.to_string_lossy();
         match shipped_by_name().find(|(shipped, _)| *shipped == name) {
             // A folder of that name, such as a data set of the scene, does not hide it.
             Some((shipped, text)) if !path.is_file() => {
@@ -165,6 +173,13 @@ impl Scene {
         let file = &self.file;
         if !is_plain(&file.summary) {
             return Err(self.fault("summary", format!("{:?}", file.summary), PLAIN));
+        }
+        if file.summary.trim().is_empty() {
+            let allowed = "a sentence that says what the scene shows";
+            return Err(self.fault("summary", format!("{:?}", file.summary), allowed));
+        }
+        if file.arm.is_empty() {
+            return Err(self.fault("arm", "\"\"", "cody, or the path of an arm file"));
         }
         if !is_plain(&self.name) {
             let found = format!("{:?}", self.name);

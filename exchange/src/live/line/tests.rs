@@ -169,7 +169,7 @@ fn every_fault_is_named() {
     }
 }
 
-/// Tests that a patch without taxels has no taxel 0.
+/// Tests that taxel 0 of a patch without taxels is refused, with an error that says so.
 #[test]
 fn an_empty_patch_has_no_taxel() {
     let mut layout = layout();
@@ -177,6 +177,7 @@ fn an_empty_patch_has_no_taxel() {
     let line = r#"{"time_s":0,"taxels":[{"patch":"tip","taxel":0,"sensed_force_n":1}]}"#;
     let error = LineParser::new(layout, None).parse(1, line).unwrap_err();
     assert_eq!(error.field, "taxels[0].taxel");
+    assert_eq!(error.allowed, "no reading of patch tip, which has no taxels");
 }
 
 /// Tests that time may start again with a new reach.

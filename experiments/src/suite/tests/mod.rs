@@ -67,6 +67,19 @@ fn result(suite: &Suite, values: &[&[f64]]) -> SuiteResult {
     result
 }
 
+/// Tests that a suite takes the name of a scene that ships, by which its results name it, too, and that a wrong name is refused
+/// with those that there are.
+#[test]
+fn scenes_that_ship_have_names() {
+    let (_folder, file) = written(&SUITE.replace("plants.toml", "mixed"));
+    let suite = Suite::load(&file).unwrap();
+    let scene = &suite.scenes[0];
+    assert_eq!((scene.plan.scene.name.as_str(), scene.name_or_path.as_str()), ("mixed", "mixed"));
+    let (_folder, file) = written(&SUITE.replace("plants.toml", "mixt"));
+    let error = Suite::load(&file).unwrap_err().to_string();
+    assert!(error.contains("found mixt; allowed: leaf, trunk, mixed") && error.contains("names this file"), "{error}");
+}
+
 /// Tests that bounds are read in the order of the file, whichever way TOML writes their tables.
 #[test]
 fn bounds_keep_the_order_of_the_file() {
