@@ -59,7 +59,7 @@ fn a_crash_costs_only_the_reaches_in_progress() {
     let writer = begin(&broken, true);
     assert_eq!(writer.missing().unwrap(), [0, 1, 2]);
     let writer = match writer.finish() {
-        Err(DiskError::ReachesMissing { count: 2, first: 0, .. }) => begin(&broken, true),
+        Err(DiskError::ReachesMissing { count: 3, first: 0, .. }) => begin(&broken, true),
         other => panic!("{other:?}"),
     };
     for position in writer.missing().unwrap() {

@@ -116,28 +116,13 @@ impl DatasetWriter {
         let mut missing = Vec::new();
         for position in self.to_assemble()?.filter(|position| part.holds(*position as u64)) {
             let path = self.staging.path(position);
-            if !(self.is_staged(position)? && is_of(&path.with_extension("json"), &path)?) {
+            let sum = path.with_extension("json");
+            // The checksum is written after the file. Without it the file may be incomplete.
+            if !(is_there(&path)? && is_there(&sum)? && is_of(&sum, &path)?) {
                 missing.push(position);
             }
         }
         Ok(missing)
-    }
-
-    /// As [`DatasetWriter::missing`], without comparing checksums.
-    pub(crate) fn not_staged(&self) -> Result<Vec<usize>> {
-        let mut missing = Vec::new();
-        for position in self.to_assemble()? {
-            if !self.is_staged(position)? {
-                missing.push(position);
-            }
-        }
-        Ok(missing)
-    }
-
-    /// Whether a reach was staged. Its checksum is written after its file, so without the checksum the file may be incomplete.
-    fn is_staged(&self, position: usize) -> Result<bool> {
-        let path = self.staging.path(position);
-        Ok(is_there(&path)? && is_there(&path.with_extension("json"))?)
     }
 
     /// Positions in the plan whose reaches are not yet in complete files of the set. They have to be staged.
@@ -203,8 +188,7 @@ impl DatasetWriter {
     /// [`DiskError::Encode`] if files cannot be read or written. After an error, or a crash at any moment, the set
     /// can be resumed.
     pub fn finish(self) -> Result<Dataset, DiskError> {
-        // Damage shows when a staged reach is read, so the checksums are not compared here: that would read everything twice.
-        if let [first, rest @ ..] = self.not_staged()?.as_slice() {
+        if let [first, rest @ ..] = self.missing()?.as_slice() {
             return Err(DiskError::ReachesMissing { dir: self.staging.dir, count: rest.len() + 1, first: *first });
         }
         if !self.whole {
