@@ -62,27 +62,17 @@ pub fn status(result: Result<(), Failure>, json: bool) -> u8 {
     failure.status()
 }
 
-/// What Rust says of a text that is not the number it should be, and what a reader understands.
-const NO_NUMBER: [(&str, &str); 5] = [
-    ("invalid digit found in string", "must be a whole number, 0 or more"),
-    ("cannot parse integer from empty string", "must be a whole number, 0 or more"),
-    ("number too large to fit in target type", "is larger than any number that is allowed"),
-    ("invalid float literal", "must be a number, with a point before its decimals"),
-    ("cannot parse float from empty string", "must be a number, with a point before its decimals"),
-];
-
 /// Prints what clap has to say about these arguments: the help or the version, or an error. Returns the exit status.
 pub fn usage(answer: &clap::Error, arguments: &[OsString]) -> u8 {
+    let text = answer.render().to_string();
     if !answer.use_stderr() {
         return status(answer.print().map_err(Failure::output), false);
     }
-    let rendered = answer.render().to_string();
-    let text = NO_NUMBER.iter().fold(rendered.clone(), |text, (of_rust, ours)| text.replace(of_rust, ours));
     if arguments.iter().take_while(|argument| *argument != "--").any(|argument| argument == "--json") {
         let _ = line(&Failure::usage(text.trim_start_matches("error: ").trim_end()).json());
     }
     // An argument, such as the name of a file, may have escape sequences; clap's colours are not worth those.
-    if text == rendered && arguments.iter().all(|argument| is_plain(&argument.to_string_lossy())) {
+    if arguments.iter().all(|argument| is_plain(&argument.to_string_lossy())) {
         let _ = answer.print();
     } else {
         remark(text.trim_end());

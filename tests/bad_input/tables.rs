@@ -55,7 +55,7 @@ fn missing_column() {
 fn missing_cell() {
     let parts = ["row: found 3 cells", "4 cells, as in the header", "correct the line"];
     refuses(&format!("{HEADER}\n0,leaf,0.0,1\n0,leaf,0.01\n"), Some(3), &parts);
-    refuses(&format!("{HEADER}\n0\n"), Some(2), &["row: found 1 cell;"]);
+    refuses(&format!("{HEADER}\n0\n"), Some(2), &["row: found 1 cell\n"]);
 }
 
 /// Tests that NaN, infinity and text are refused as forces, with their line.
