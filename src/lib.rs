@@ -36,7 +36,8 @@ From data to a classifier:
 
 `underbrush COMMAND --help` explains a command. Results go to standard output, progress and errors to standard error. \
 With --json a command that fails prints {\"error\": {\"kind\", \"file\", \"line\", \"field\", \"found\", \"allowed\", \"remedy\", \
-\"message\"}} to standard output, too. Exit status: 0 success, 1 the run failed, 2 bad usage or input.";
+\"message\"}} to standard output, too. Exit status: 0 success, 1 the run failed or \
+a result says that something is wrong, 2 bad usage or input.";
 
 /// Simulates a compliant robot arm with tactile skin that reaches through foliage, and trains classifiers that tell
 /// from the skin's forces what each taxel touches: leaf or trunk.
@@ -94,9 +95,9 @@ commands! {
     Merge(merge::MergeOptions),
     /// Fit a classifier to trials, or to whole frames, and save it as a model file
     Train(train::TrainOptions),
-    /// Classify contact trials or frames: leaf, trunk, uncertain or outlier
+    /// Classify contact trials, or the contacts in every frame, with a model
     Classify(classify::ClassifyOptions),
-    /// Cross-validate classifiers on trials with ground truth
+    /// Cross-validate classifiers, or evaluate a model, on data with ground truth
     Evaluate(evaluate::EvaluateOptions),
     /// Write the contact trials of a data set as a table with one row per sample
     Trials(trials::TrialsOptions),
@@ -110,12 +111,12 @@ commands! {
     Benchmark(benchmark::BenchmarkOptions),
     /// Check a scene, data set, recording, table of trials or model, and show what is in it
     Inspect(inspect::InspectOptions),
-    /// Show reaches in the browser: the arm in 3-D, its skin, plots and verdicts over time
+    /// Show reaches in the browser: the arm in 3-D, its skin, plots and verdicts over time. Or draw pictures and films
     Replay(replay::ReplayOptions),
     /// Write reaches for other tools (MCAP, ROS 2, HDF5). Without the Python package, print the Python command that
     /// does so
     Export(export::ExportOptions),
-    /// Cut contact trials from a CSV file of a real robot
+    /// Cut contact trials from a CSV file of a real robot, or make recordings of its reaches
     Import(import::ImportOptions),
     /// Fit stiffness, hardening and loss of a skin to a press test
     FitSkin(fit_skin::FitSkinOptions),

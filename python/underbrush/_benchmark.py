@@ -33,7 +33,7 @@ def benchmark(
     Parameters
     ----------
     track : {"verdicts", "transfer", "reaching"}
-        What is judged: verdicts on contacts; verdicts with another arm, speed or sensor than in training; or how a
+        What is judged: verdicts on objects; the same with another arm, speed or sensor than in training; or how a
         controller reaches.
     out : path
         Folder for the reaches, and for the rows as JSON files.

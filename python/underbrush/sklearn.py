@@ -260,7 +260,7 @@ class NearestNeighboursClassifier(_Baseline):
 
 
 class NaiveBayesClassifier(_Baseline):
-    """Naive Bayes over a fixed window at the start of a contact."""
+    """Naive Bayes over statistics of the contact so far. ``features=None`` adds the motion of the contact."""
 
     _classifier = "naive-bayes"
 

@@ -158,7 +158,7 @@ fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
             0 => "no hulls of meshes".to_owned(),
             count => {
                 let hulls = output::counted(count, "hull", "hulls");
-                format!("{hulls}; meshes stand out at most {outside_mm:.1} mm")
+                format!("{hulls}; meshes extend at most {outside_mm:.1} mm beyond them")
             }
         };
         let wrote = match keeps_skin {

@@ -15,9 +15,9 @@ use crate::{Failure, Shown, input, interrupt, options, output};
 const EXAMPLE: &str = "\
 Make the training set, train on it, and run the three tracks:
 
-  cd benchmarks/incidental-contact-1/scenes
-  underbrush generate leaf.toml trunk.toml mixed.toml --reaches 25 --seed 900000 --out training
-  underbrush train --classifier touch training --out touch.json
+  S=benchmarks/incidental-contact-1/scenes
+  underbrush generate $S/leaf.toml $S/trunk.toml $S/mixed.toml --reaches 25 --seed 900000 --out training
+  underbrush train training --classifier touch --out touch.json
   underbrush benchmark verdicts --model touch.json
   underbrush benchmark transfer --model touch.json
   underbrush benchmark reaching --controller cody-2013

@@ -29,8 +29,8 @@ const TOUCH: &str = "touch";
 
 /// The names in the list of classifiers, each with one line of help, and the name of the classifier of frames.
 fn classifier() -> PossibleValuesParser {
-    let touch = "Networks over the course of each contact region: nothing, a category, uncertain or unknown in every frame. \
-                 It is fitted to whole frames of data sets and recordings";
+    let touch = "Networks and trees over the course of contacts and objects: nothing, a category, uncertain or unknown in \
+                 every frame. It is fitted to whole frames of data sets and recordings";
     let values = CLASSIFIERS.iter().map(|kind| PossibleValue::new(kind.name).aliases(kind.aliases).help(kind.summary));
     PossibleValuesParser::new(values.chain([PossibleValue::new(TOUCH).help(touch)]))
 }

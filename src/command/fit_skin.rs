@@ -28,7 +28,7 @@ pub struct FitSkinOptions {
     /// Radius of a ball, mm
     #[arg(long, value_name = "MM", group = "punch", value_parser = positive())]
     ball_radius_mm: Option<f64>,
-    /// Write C, τ and 1/β to this file of materials (TOML)
+    /// Write foundation modulus, loss time and thickness of the skin to this file of materials (TOML)
     #[arg(long, value_name = "FILE.toml")]
     out: Option<PathBuf>,
     #[command(flatten)]

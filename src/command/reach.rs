@@ -52,7 +52,7 @@ pub struct ReachOptions {
     /// The page is served on 127.0.0.1 until Ctrl-C. The reach begins when the page is opened.
     #[arg(long)]
     watch: bool,
-    /// With --watch: model file; the page also shows its verdicts on the patch
+    /// With --watch: model file of a classifier of trials or a touch model; the page also shows its verdicts
     #[arg(long, value_name = "FILE", requires = "watch")]
     model: Option<PathBuf>,
     /// Patch of skin whose trials are counted [default: the first]

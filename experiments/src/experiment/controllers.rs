@@ -54,7 +54,7 @@ pub fn run(session: &Session) -> Result<ComparedControllers, Fault> {
         let plans = [
             ("cody-2013", plan(ControllerKind::Cody2013, None)?),
             ("cody-2013, progress by the path", plan(ControllerKind::Cody2013, Some(ProgressRule::Path))?),
-            ("mapped, blind", plan(ControllerKind::Mapped, None)?),
+            ("mapped, no verdicts", plan(ControllerKind::Mapped, None)?),
             ("mapped, true verdicts", VerdictControl::truth().applied_to(plan(ControllerKind::Mapped, None)?)?),
         ];
         let mut controllers = Vec::new();

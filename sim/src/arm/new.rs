@@ -286,7 +286,7 @@ impl<'a> Tree<'a> {
                     let (count, outside_mm, link) = (triangles.len(), hull.outside_m * 1000.0, quoted(name));
                     let _ = writeln!(
                         tables,
-                        "\n# Of {filename}{why}; its {count} triangles stand out at most {outside_mm:.1} mm over this hull.\n\
+                        "\n# Of {filename}{why}; its {count} triangles extend at most {outside_mm:.1} mm beyond this hull.\n\
                          [[hull]]\nlink = {link}\npoints_m = ["
                     );
                     for point in &hull.points_m {
