@@ -41,14 +41,19 @@ pub struct CellKey {
 impl CellKey {
     /// The cell without its recipe, as text.
     pub fn name(&self) -> String {
-        let (by, features) = (self.by.name(), self.features);
-        format!("{by}, {features}, {} states", self.states)
+        let (by, features, states) = (self.by.name(), self.features, self.states);
+        format!("{by}, {features}, {states} {}", if states == 1 { "state" } else { "states" })
     }
 
     /// The cell with its recipe, as text.
     pub fn with_recipe(&self) -> String {
-        format!("{}, {} recipe", self.name(), self.recipe)
+        format!("{}, {} recipe", self.name(), possessive(&self.recipe))
     }
+}
+
+/// The name of a recipe as it stands before the word "recipe": `authors'` or `modern`.
+pub fn possessive(recipe: &str) -> &str {
+    if recipe == "authors" { "authors'" } else { recipe }
 }
 
 /// A published statement on the table, and whether it holds here.

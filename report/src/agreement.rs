@@ -5,7 +5,7 @@ use underbrush_experiments::table_cell::{CellKey, Ordering};
 use underbrush_recording::distinct;
 
 use crate::style::{self, PUBLISHED};
-use crate::{AccuracyChart, Report, Rows, Table, counted, joined, lowest, possessive};
+use crate::{AccuracyChart, Report, Rows, Table, capitalized, counted, lowest, possessive};
 
 /// A difference that counts as agreement, points: the target for the mean over the cells.
 const CLOSE_POINTS: f64 = 3.0;
@@ -40,7 +40,10 @@ pub fn sentences(what: &str, cells: &[&Compared]) -> String {
         )
     });
     let below = below_majority(&below.collect::<Vec<String>>(), cells.len());
-    joined(with_published(what, cells).into_iter().chain([below]), " ")
+    match with_published(what, cells) {
+        Some(published) => format!("{published} {}", capitalized(&below)),
+        None => format!("{what}, {below}"),
+    }
 }
 
 fn with_published(what: &str, cells: &[&Compared]) -> Option<String> {
@@ -70,11 +73,12 @@ fn with_published(what: &str, cells: &[&Compared]) -> Option<String> {
     Some(text + &format!(" The largest difference is in {name}: {here:.1} % here, {published:.1} % in the paper."))
 }
 
-/// The cells in which a constant verdict would be more accurate.
+/// The cells in which a constant verdict would be more accurate, as a sentence that begins with a small letter.
 fn below_majority(below: &[String], cells: usize) -> String {
     let which = match (below.len(), cells) {
-        (_, 1) => "The only cell is".to_owned(),
-        (0, _) => format!("All {cells} cells are"),
+        (_, 1) => "the only cell is".to_owned(),
+        (0, _) => format!("all {cells} cells are"),
+        (all, _) if all == cells => format!("all {cells} cells are"),
         (1, _) => format!("1 of the {cells} cells is"),
         (some, _) => format!("{some} of the {cells} cells are"),
     };
@@ -143,7 +147,8 @@ pub fn dot_plot(name: &str, title: &str, cells: &[Compared]) -> String {
     for (number, recipe) in recipes.iter().enumerate() {
         let own = cells.iter().filter(|cell| cell.key.recipe == **recipe);
         let points = own.map(|cell| (row(cell), cell.accuracy, cell.interval));
-        let aside = style::aside(number, recipes.len());
+        // A row of this chart is about a third as high as a place of an upright one is wide.
+        let aside = 3.0 * style::aside(number, recipes.len());
         chart.series(&format!("{} recipe", possessive(recipe)), style::paired(number), aside, points);
     }
     chart.series("paper", PUBLISHED, 0.0, first.iter().filter_map(|cell| Some((row(cell), cell.published?, None))));

@@ -26,6 +26,7 @@ use std::fmt::Display;
 use underbrush_experiments::audit::Worst;
 use underbrush_experiments::experiment::training_data::Reaches;
 use underbrush_experiments::results::{Results, Timing};
+use underbrush_experiments::table_cell::possessive;
 use underbrush_recording::Fault;
 use underbrush_recording::limits::two_digits;
 use underbrush_sim::audit::exceeds;
@@ -33,7 +34,7 @@ use underbrush_sim::audit::exceeds;
 use accuracy_chart::{AccuracyChart, lowest, square_chart};
 use drawing::{Axis, Cell, Dash, Layer, Mark, Page, Point, Rows, Shape, Style, Table, chart, escape, joined, slug};
 use report::{
-    ACCURACY_COLUMNS, ACCURACY_HEADINGS, Report, by_touch, campaigns_by_touch, capitalized, possessive, seeds,
+    ACCURACY_COLUMNS, ACCURACY_HEADINGS, Report, by_touch, campaigns_by_touch, capitalized, fitting, in_words, seeds,
 };
 
 /// A report, ready to be written.
@@ -88,11 +89,12 @@ fn terminal(report: &Report) -> String {
     let mut terminal =
         format!("{count} training reaches, {simulated_s:.0} s of simulated time\n{ends}\n{audit}\n\n{tables}");
     for (recipe, points) in &outcomes.table_one.mean_absolute_difference_points {
-        terminal += &format!("mean absolute difference from the paper, {recipe} recipe: {points:.1} points\n");
+        terminal +=
+            &format!("mean absolute difference from the paper, {} recipe: {points:.1} points\n", possessive(recipe));
     }
     let campaigns = outcomes.campaigns.campaigns.iter();
     for (recipe, points) in campaigns.flat_map(|own| &own.mean_absolute_difference_points) {
-        terminal += &format!("the same for the mean campaign, {recipe} recipe: {points:.1} points\n");
+        terminal += &format!("the same for the mean campaign, {} recipe: {points:.1} points\n", possessive(recipe));
     }
     terminal.extend(section::table_one::choices(report).map(|text| text + "\n"));
     terminal + &format!("{:.0} s in all", report.results.timing.wall_s)
@@ -106,7 +108,7 @@ fn terminal(report: &Report) -> String {
 /// assert_eq!([1, 2].map(|count| counted(count, "reach", "reaches")), ["1 reach", "2 reaches"]);
 /// ```
 pub fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, one: &str, many: &str) -> String {
-    format!("{count} {}", if count == N::from(1) { one } else { many })
+    format!("{count} {}", fitting(count, one, many))
 }
 
 /// The figures of an audit that pass their bounds as a table, or one line if none does.

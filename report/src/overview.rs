@@ -7,7 +7,7 @@ use underbrush_experiments::table_cell::Ordering;
 
 use crate::agreement::{self, Compared};
 use crate::section::{campaigns, moments, table_one};
-use crate::{Report, escape, joined};
+use crate::{Report, escape, fitting, joined};
 
 /// Trials per reach that differ by less than this factor count as agreeing.
 const SIMILAR: f64 = 1.25;
@@ -126,14 +126,18 @@ fn compare(comparison: &Comparison, is_quick: bool) -> (Vec<String>, Vec<String>
     let what =
         if pairs.iter().all(|(cell, _)| cell.covers) { "95 % interval" } else { "interval of two standard deviations" };
     if within > 0 {
-        agrees.push(format!("{within} of {all} accuracies of the paper lie within the {what} of those here."));
+        agrees.push(format!(
+            "{within} of {all} accuracies of the paper {} within the {what} of those here.",
+            fitting(within, "lies", "lie")
+        ));
     }
     let difference = |(cell, published): &(&Compared, f64)| cell.accuracy - published;
     let farthest = pairs.iter().max_by(|a, b| difference(a).abs().total_cmp(&difference(b).abs()));
     if let Some((cell, published)) = farthest.filter(|_| within < all) {
         let (outside, name, here) = (all - within, cell.key.name(), cell.accuracy);
         differs.push(format!(
-            "{outside} of {all} lie outside the {what}. The farthest is {name}: {here:.1} % here, {published:.1} % in the paper."
+            "{outside} of {all} {} outside the {what}. The farthest is {name}: {here:.1} % here, {published:.1} % in the paper.",
+            fitting(outside, "lies", "lie")
         ));
     }
     let orderings = comparison.orderings.iter().filter(|own| Some(own.recipe.as_str()) == comparison.recipe());
@@ -174,9 +178,11 @@ fn why(report: &Report, comparison: &Comparison) -> Vec<String> {
         ));
     }
     if report.results.quick {
+        let undecided =
+            if comparison.orderings.is_empty() { "" } else { ", and it cannot decide the paper's orderings" };
         why.push(format!(
-            "This is a quick run of {} training reaches, so its intervals are wide, and it cannot decide the paper's orderings. A \
-             run without --quick has the full number.",
+            "This is a quick run of {} training reaches, so its intervals are wide{undecided}. A run without --quick has the full \
+             number.",
             outcomes.training_data.reaches.count
         ));
     }

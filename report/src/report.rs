@@ -88,9 +88,17 @@ pub fn capitalized(text: &str) -> String {
     first.chain(letters.clone()).collect()
 }
 
-/// The name of a recipe as it stands before the word "recipe": `authors'` or `modern`.
-pub fn possessive(recipe: &str) -> &str {
-    if recipe == "authors" { "authors'" } else { recipe }
+/// The word that fits a number: `one` for 1, `many` for all others.
+pub fn fitting<'a, N: PartialEq + From<u8>>(count: N, one: &'a str, many: &'a str) -> &'a str {
+    if count == N::from(1) { one } else { many }
+}
+
+/// Names as a part of a sentence: `leaf and trunk`, `leaf, trunk and reed`.
+pub fn in_words(names: &[&str]) -> String {
+    match names {
+        [] | [_] => names.concat(),
+        [all @ .., last] => format!("{} and {last}", all.join(", ")),
+    }
 }
 
 /// The seeds of a run.

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use super::axis::Fitted;
 use super::layer::{Layer, Mark, Point, Shape, Style};
-use super::markup::{joined, svg_text};
+use super::markup::{joined, squeezed, svg_text};
 
 /// Sizes of the drawing and of the margins around the data, px. The drawing is scaled to the available width.
 pub(super) const WIDTH: f64 = 540.0;
@@ -162,7 +162,7 @@ impl<'a> Canvas<'a> {
         let space = LEFT - 6.0;
         let mut attributes = " text-anchor=\"end\"".to_owned();
         if name.chars().count() > LETTERS_BESIDE_STRIP {
-            attributes += &format!(" textLength=\"{:.1}\" lengthAdjust=\"spacingAndGlyphs\"", space - 2.0);
+            attributes += &squeezed(space - 2.0);
         }
         let text = svg_text(space, middle + 5.0, &attributes, name);
         let _ = writeln!(self.svg, "<path d=\"M{LEFT} {middle:.1}H{:.1}\" stroke=\"#d8dce0\"/>{text}", WIDTH - RIGHT);

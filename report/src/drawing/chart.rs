@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::axis::{Axis, Fitted, Scale};
 use super::canvas::{Canvas, LEFT, MARK_RADIUS, Plot, RIGHT, WIDTH, strips_height};
 use super::layer::{Dash, Layer, Mark, Shape, Style};
-use super::markup::{FONT, escape, slug, svg_head, svg_text};
+use super::markup::{FONT, escape, slug, squeezed, svg_head, svg_text};
 
 /// A chart with its text. Layers are drawn in order.
 ///
@@ -119,7 +119,7 @@ impl Chart {
         }
     }
 
-    /// Writes the legend, wrapped to the width, and returns its number of rows.
+    /// Writes the legend, wrapped to the width with longer names squeezed into it, and returns its number of rows.
     fn legend(&self, svg: &mut String) -> f64 {
         let (mut x, mut row) = (2.0, 1.0);
         for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.in_legend()) {
@@ -139,7 +139,8 @@ impl Chart {
                 let mark = mark.map_or(String::new(), |mark| mark.svg(x + 13.0, y, MARK_RADIUS, colour));
                 if layer.is_joined() { line + &mark } else { mark }
             };
-            let _ = writeln!(svg, "{key}{}", svg_text(x + 30.0, y + 5.0, "", &layer.name));
+            let fit = if width > WIDTH { squeezed(WIDTH - 44.0) } else { String::new() };
+            let _ = writeln!(svg, "{key}{}", svg_text(x + 30.0, y + 5.0, &fit, &layer.name));
             x += width;
         }
         if self.layers.iter().any(Layer::in_legend) { row } else { 0.0 }

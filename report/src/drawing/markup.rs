@@ -57,6 +57,11 @@ pub fn svg_text(x: f64, y: f64, attributes: &str, words: &str) -> String {
     format!("<text x=\"{x:.1}\" y=\"{y:.1}\"{attributes}>{}</text>", escape(words))
 }
 
+/// The attributes of words that are squeezed into a width, px.
+pub(super) fn squeezed(width: f64) -> String {
+    format!(" textLength=\"{width:.1}\" lengthAdjust=\"spacingAndGlyphs\"")
+}
+
 /// The start of a picture whose title is shown in its first line and, with the description, read aloud.
 pub fn svg_head(name: &str, title: &str, description: &str, [width, height]: [f64; 2]) -> String {
     let (name, title, description) = (slug(name), escape(title), escape(description));

@@ -288,3 +288,17 @@ fn a_dot_plot_has_a_row_for_each_name() {
     let whiskers = elements.iter().filter(|element| attribute(element, "stroke-width") == Some("1.6"));
     assert_eq!(whiskers.count(), 3);
 }
+
+/// Tests that a long name in the legend is squeezed into the drawing, and a short one is not.
+#[test]
+fn a_long_name_fits_into_the_legend() {
+    let long = "name ".repeat(20);
+    let line = || Shape::Line(vec![(0.0, 0.0), (1.0, 1.0)]);
+    let layers = vec![Layer::new("short", STYLES[0], line()), Layer::new(long.as_str(), STYLES[1], line())];
+    let elements = elements(&chart(linear("x"), linear("y"), layers).svg());
+    let words = |name: &str| elements.iter().find(|own| own.0 == "text" && own.2 == name).unwrap();
+    assert_eq!(attribute(words("short"), "textLength"), None);
+    let width: f64 = attribute(&elements[0], "viewBox").unwrap().split(' ').nth(2).unwrap().parse().unwrap();
+    let number = |name: &str| attribute(words(&long), name).unwrap().parse::<f64>().unwrap();
+    assert!(number("x") + number("textLength") <= width);
+}

@@ -4,7 +4,7 @@ use underbrush_experiments::Unit;
 use underbrush_experiments::accuracy::Figures;
 use underbrush_experiments::experiment::ablation::{AS_IS, Ablated, AblationResults, described};
 
-use crate::{Report, Rows, Table, joined};
+use crate::{Report, Rows, Table, counted, fitting, joined};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &AblationResults) {
@@ -40,9 +40,10 @@ fn sentence(rows: &[Ablated]) -> Option<String> {
     let nearer = changed.iter().filter(|(_, points)| points < own).count();
     Some(format!(
         "Unchanged, the {cells} cells differ from the paper's by {own:.1} points on average, and {orderings_holding} of {orderings} \
-         orderings hold. With one thing changed, {parts}. {nearer} of the {} changes come closer to the paper. This is one \
+         orderings hold. With one thing changed, {parts}. {nearer} of the {} {} closer to the paper. This is one \
          campaign; the intervals of the cross-validation table tell how far chance alone moves a cell.",
-        changed.len()
+        counted(changed.len(), "change", "changes"),
+        fitting(nearer, "comes", "come")
     ))
 }
 

@@ -3,14 +3,14 @@
 use underbrush_classifier::evaluate::ConfusionMatrix;
 use underbrush_experiments::experiment::confusion::ConfusionMatrices;
 
-use crate::{Report, Rows, Table};
+use crate::{Report, Rows, Table, counted};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ConfusionMatrices) {
     if outcome.figure_6.is_none() && outcome.figure_7.is_none() {
         return;
     }
-    report.section("confusion", &format!("confusion of taxels, {} states", outcome.states));
+    report.section("confusion", &format!("confusion of taxels, {}", counted(outcome.states, "state", "states")));
     let matrices = [("figure_6", "Force", &outcome.figure_6), ("figure_7", "Force and motion", &outcome.figure_7)];
     for (name, caption, matrix) in matrices {
         let Some(matrix) = matrix else { continue };

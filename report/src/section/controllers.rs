@@ -4,7 +4,7 @@ use underbrush_experiments::experiment::controllers::{ComparedControllers, Contr
 use underbrush_experiments::resampled::Estimate;
 
 use crate::style::FIRST;
-use crate::{Axis, Cell, Dash, Layer, Point, Report, Rows, Shape, Style, Table, chart, joined};
+use crate::{Axis, Cell, Dash, Layer, Point, Report, Rows, Shape, Style, Table, chart, counted, joined};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ComparedControllers) {
@@ -13,9 +13,10 @@ pub fn add(report: &mut Report, outcome: &ComparedControllers) {
     }
     report.section("controllers", "What a map of touched trunks gains");
     report.page.paragraph(&format!(
-        "{} reaches of {}, the same for all controllers. The published controller pushes on until it is stuck. The mapped \
+        "{} of {}, the same for all controllers. The published controller pushes on until it is stuck. The mapped \
          one remembers what stopped it, or what is called a trunk, and plans a way round it.",
-        outcome.reaches, outcome.scene
+        counted(outcome.reaches, "reach", "reaches"),
+        outcome.scene
     ));
     let caption = "Goals that were reached, and the largest force on a trunk in a reach, with 95 % intervals from resampling reaches.";
     let charts = [
@@ -37,10 +38,10 @@ fn compared(
     let points = outcome.controllers.iter().enumerate().filter_map(|(place, own)| {
         let Estimate { value, interval } = of(own);
         let interval = interval.map(|[low, high]| (scale * low, scale * high));
-        Some(Point { x: place as f64, y: scale * value?, interval })
+        Some((own.name.as_str(), Point { x: place as f64, y: scale * value?, interval }))
     });
-    let points: Vec<Point> = points.collect();
-    let told = outcome.controllers.iter().zip(&points).map(|(own, point)| format!("{}: {:.1}", own.name, point.y));
+    let (names, points): (Vec<&str>, Vec<Point>) = points.unzip();
+    let told = names.iter().zip(&points).map(|(name, point)| format!("{name}: {:.1}", point.y));
     let description = format!("{label}. {}.", joined(told, "; "));
     let names = (1..=outcome.controllers.len()).map(|number| number.to_string());
     let axes = (Axis::names("controller, by its row in the table", names), Axis::from_zero(label));
@@ -61,4 +62,26 @@ fn table(outcome: &ComparedControllers) -> Table {
         .column("peak on trunks / N", |(_, own)| with_interval(own.trunk_peak_n, 1.0))
         .column("safety stops", |(_, own)| own.safety_stops)
         .table("controllers", "Controllers on the same reaches")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tests that the description of a chart gives each value to its own controller if that of an earlier one is not
+    /// known.
+    #[test]
+    fn a_description_names_the_controller_of_each_value() {
+        let controller = |name: &str, value| ControllerFigures {
+            name: name.into(),
+            reached: Estimate::default(),
+            goal_s: Estimate::default(),
+            trunk_peak_n: Estimate { value, interval: None },
+            safety_stops: 0,
+        };
+        let controllers = vec![controller("published", None), controller("mapped", Some(2.0))];
+        let outcome = ComparedControllers { scene: "row".into(), reaches: 1, controllers };
+        let svg = compared(&outcome, ["force", "Force"], "peak / N", 1.0, |own| own.trunk_peak_n);
+        assert!(svg.contains("peak / N. mapped: 2.0."), "{svg}");
+    }
 }

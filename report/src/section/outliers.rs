@@ -10,7 +10,9 @@ use underbrush_experiments::online_models::Thresholds;
 use underbrush_recording::{Category, FRAME_PERIOD_S};
 
 use crate::style::{CategoryLooks, FIRST, OUTLIER, REFERENCE};
-use crate::{Axis, Cell, Dash, Layer, Report, Rows, Shape, Style, Table, chart, joined, replayed, square_chart};
+use crate::{
+    Axis, Cell, Dash, Layer, Report, Rows, Shape, Style, Table, chart, counted, fitting, joined, replayed, square_chart,
+};
 
 /// Share of taxel frames left uncertain above which the page says that a rule fails. Choice: such a rule decides on
 /// fewer than one in ten.
@@ -23,8 +25,10 @@ pub fn add(report: &mut Report, outcome: &OutlierThresholds) {
     }
     report.section("outliers", "outliers");
     report.page.paragraph(&format!(
-        "By ground truth, {} of {} reaches drawn meet the outlier first and then a known category.",
-        outcome.figure_15.reaches, outcome.figure_15.drawn
+        "By ground truth, {} of {} drawn {} the outlier first and then a known category.",
+        outcome.figure_15.reaches,
+        counted(outcome.figure_15.drawn, "reach", "reaches"),
+        fitting(outcome.figure_15.reaches, "meets", "meet")
     ));
     let labels = report.results.definition.labels();
     let charts: Vec<String> =
@@ -44,17 +48,14 @@ pub fn add(report: &mut Report, outcome: &OutlierThresholds) {
     report.numbers(frames_table(&outcome.online));
     report.page.paragraph(&thresholds(&outcome.curves));
     report.page.paragraphs(chosen_rule_online(&outcome.figure_15.detection));
-    report.printed(detection_table(outcome), usize::MAX);
+    if !outcome.figure_15.detection.is_empty() {
+        report.printed(detection_table(outcome), usize::MAX);
+    }
     let first = labels.first().copied().unwrap_or_default();
     let charts = roc_charts(&outcome.curves, first);
     if !charts.is_empty() {
         report.page.paragraphs(outcome.roc.outlier_area.map(roc));
-        let caption = format!(
-            "The effect of every threshold. First chart: {first} trials found against other trials mistaken for them as the minimum \
-             margin falls, on training trials held out by reach. Second chart: outliers found against known categories mistaken \
-             for them as the maximum margin of an outlier rises, on the outlier reaches."
-        );
-        report.page.figure(&caption, &charts);
+        report.page.figure(&roc_caption(&outcome.curves, first), &charts);
         report.numbers(roc_table(&outcome.curves, first));
     }
 }
@@ -246,6 +247,22 @@ fn roc_charts(thresholds: &Thresholds, first: &str) -> Vec<String> {
         square_chart((&format!("roc-{name}"), &title), description, (&x, &y), "chance", vec![layer])
     };
     category.into_iter().chain(outlier).map(chart).collect()
+}
+
+/// What the curves that there are show.
+pub fn roc_caption(thresholds: &Thresholds, first: &str) -> String {
+    let category = thresholds.category_roc.as_ref().map(|_| {
+        format!(
+            "Of {first}: trials found against other trials mistaken for them as the minimum margin falls, on training trials held \
+             out by reach."
+        )
+    });
+    let outlier = thresholds.outlier_roc.as_ref().map(|_| {
+        "Of outliers: trials found against known categories mistaken for them as the maximum margin of an outlier rises, on the \
+         outlier reaches."
+            .to_owned()
+    });
+    joined(["The effect of every threshold.".to_owned()].into_iter().chain(category).chain(outlier), " ")
 }
 
 /// The points of both curves.

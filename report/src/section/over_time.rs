@@ -6,7 +6,7 @@ use underbrush_experiments::experiment::over_time::{AccuracyOverTime, seconds_pe
 use underbrush_experiments::frame_verdicts::Classified;
 
 use crate::style::{CORRECT, FIRST, REFERENCE, UNCERTAIN, UNTOUCHED, WRONG};
-use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replayed};
+use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, counted, fitting, in_words, replayed};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &AccuracyOverTime) {
@@ -18,18 +18,21 @@ pub fn add(report: &mut Report, outcome: &AccuracyOverTime) {
         report.page.paragraph("No general reach was found in which the patch touches every category.");
         return;
     };
-    let (every, draw) = (every(&report.results.definition.labels()), reach.reach_index);
+    let labels = report.results.definition.labels();
+    let both = if labels.len() == 2 { "both " } else { "" };
+    let (every, draw) = (in_words(&labels), reach.reach_index);
     let (found, drawn) = (outcome.online.general.len(), outcome.online.general_drawn);
     let recipe = report.results.definition.main_recipe();
-    let (states, seen) = (recipe.states, seen(&recipe.features));
+    let (states, seen) = (counted(recipe.states, "state", "states"), seen(&recipe.features));
     let margin_nats = report.results.definition.file.thresholds.uncertain_below_nats;
     let untouched = reach.stream.tally_of(None).total();
     let all = untouched + reach.stream.total().total();
     report.page.paragraph(&format!(
-        "This is the first reach in mixed clutter in which the patch touches {every}: draw {draw}. {found} of {drawn} draws do so. \
-         The models have {states} states and see {seen}; a taxel is uncertain below a margin of {margin_nats} nats. The truth of a \
+        "This is the first reach in mixed clutter in which the patch touches {both}{every}: draw {draw}. {found} of {drawn} \
+         draws {}. The models have {states} and see {seen}; a taxel is uncertain below a margin of {margin_nats} nats. The truth of a \
          taxel is the object that presses most on it. In {untouched} of {all} taxel frames nothing presses (spurious readings, \
-         crosstalk and creep); these have no truth and are counted separately."
+         crosstalk and creep); these have no truth and are counted separately.",
+        fitting(found, "does so", "do so")
     ));
     let timing = &report.results.timing;
     if let Some(seconds) = timing.figure_8_seconds_per_100_taxels {
@@ -49,8 +52,8 @@ pub fn add(report: &mut Report, outcome: &AccuracyOverTime) {
         report.page.paragraph(&format!(
             "Samples used is the number of samples since contact at which a taxel's present verdict was made, or 0 while it is \
              uncertain, averaged over the taxels in contact. The mean over this reach is {mean:.1}{published}; the mean of {} \
-             reaches is {all:.1}.",
-            used.reaches
+             is {all:.1}.",
+            counted(used.reaches, "reach", "reaches")
         ));
         let published = used.paper.map_or(String::new(), |paper| format!(", paper {paper}"));
         report.terminal += &format!("samples used for a verdict: {mean:.1}{published}\n");
@@ -82,20 +85,11 @@ fn seen(features: &FeatureSet) -> String {
     }
 }
 
-/// `both leaf and trunk`, `leaf, trunk and outlier`.
-fn every(labels: &[&str]) -> String {
-    match labels {
-        [one, other] => format!("both {one} and {other}"),
-        [all @ .., last] => format!("{} and {last}", all.join(", ")),
-        [] => String::new(),
-    }
-}
-
 fn computation_time(report: &Report, reach: &Classified) -> String {
     let timing = &report.results.timing;
     let points = seconds_per_100_taxels(reach).map(|(frame, seconds)| (frame.time_s, seconds.unwrap_or(f64::NAN)));
-    let mean = timing.figure_8_seconds_per_100_taxels.unwrap_or(f64::NAN);
-    let description = format!("Mean {mean:.2e} s for a new sample of 100 taxels in contact.");
+    let told = |mean: f64| format!("Mean {mean:.2e} s for a new sample of 100 taxels in contact.");
+    let description = timing.figure_8_seconds_per_100_taxels.map_or("No taxel is in contact.".to_owned(), told);
     let here = Shape::Line(points.collect());
     let paper = timing.figure_8_paper_seconds_per_100_taxels;
     let paper = paper.map(|paper_s| (paper_s, format!(" The paper's mean is {paper_s} s."), " s"));
@@ -127,8 +121,8 @@ fn samples_used(outcome: &AccuracyOverTime, reach: &Classified) -> String {
         let used = if frame.in_contact > 0 { frame.mean_samples_used } else { f64::NAN };
         (frame.time_s, used)
     });
-    let mean = outcome.figure_9.mean_samples_used.unwrap_or(f64::NAN);
-    let description = format!("Mean over the taxels in contact. The mean over the reach is {mean:.1}.");
+    let told = |mean: f64| format!("Mean over the taxels in contact. The mean over the reach is {mean:.1}.");
+    let description = outcome.figure_9.mean_samples_used.map_or("No taxel is in contact.".to_owned(), told);
     let here = Shape::Steps(points.collect());
     let paper = outcome.figure_9.paper.map(|paper| (paper, format!(" In the paper it is {paper}."), ""));
     let y = Axis::from_zero("samples");
@@ -181,4 +175,32 @@ fn frames_table(reach: &Classified) -> Table {
         .column("uncertain", |frame| frame.tally.uncertain)
         .column("without_truth", |frame| frame.without_truth())
         .table("figures_9_10", "Samples used and verdicts")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::rc::Rc;
+
+    use underbrush_classifier::evaluate::Stream;
+    use underbrush_experiments::experiment::over_time::SamplesUsed;
+    use underbrush_experiments::frame_verdicts::Online;
+
+    use super::*;
+
+    /// Tests that a chart of a reach in which the skin feels nothing says so. Its mean was "NaN".
+    #[test]
+    fn a_reach_that_feels_nothing_has_no_mean() {
+        let online = Online {
+            engineered: Vec::new(),
+            general: Vec::new(),
+            general_drawn: 1,
+            outlier: Vec::new(),
+            outlier_by_chosen: None,
+            outlier_drawn: 0,
+        };
+        let figure_9 = SamplesUsed { mean_samples_used: None, mean_over_reaches: None, reaches: 0, paper: None };
+        let outcome = AccuracyOverTime { figure_9, figure_10: None, online: Rc::new(online) };
+        let svg = samples_used(&outcome, &Classified { reach_index: 0, stream: Stream::default() });
+        assert!(svg.contains("No taxel is in contact.") && !svg.contains("NaN"), "{svg}");
+    }
 }

@@ -4,7 +4,7 @@ use underbrush_experiments::accuracy::Accuracy;
 use underbrush_experiments::experiment::settings::{ComparedSettings, Split};
 use underbrush_recording::distinct;
 
-use crate::{ACCURACY_COLUMNS, Cell, Report, Rows, Table};
+use crate::{ACCURACY_COLUMNS, Cell, Report, Rows, Table, fitting};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ComparedSettings) {
@@ -46,12 +46,14 @@ fn sentence(outcome: &ComparedSettings, classifier: &str) -> Option<String> {
     };
     let (here, there) = (mean(&same), mean(&other));
     let (covered, others, change) = (other.iter().filter(covered).count(), other.len(), there - here);
-    let Split { trained, tested, accuracy: Accuracy { accuracy, low, high, majority_baseline, .. }, .. } = lowest;
+    let Split { trained, tested, accuracy: own, .. } = lowest;
+    let Accuracy { accuracy, low, high, balanced_accuracy, majority_baseline, .. } = own;
     Some(format!(
         "{classifier}: {here:.1} % on average at the setting of training, {there:.1} % at others ({change:+.1} points). {covered} of {others} of \
-         these lie within the interval of the classifier that was trained at the setting of testing. The lowest accuracy is \
-         {accuracy:.1} % ({low:.1} to {high:.1}, majority baseline {majority_baseline:.1} %), trained at {trained} and tested at \
-         {tested}."
+         these {} within the interval of the classifier that was trained at the setting of testing. The lowest accuracy is \
+         {accuracy:.1} % ({low:.1} to {high:.1}, balanced {balanced_accuracy:.1} %, majority baseline {majority_baseline:.1} %), \
+         trained at {trained} and tested at {tested}.",
+        fitting(covered, "lies", "lie")
     ))
 }
 

@@ -5,7 +5,7 @@ use underbrush_experiments::experiment::table_one::TableOne;
 use underbrush_experiments::table_cell::{Cell, CellKey};
 
 use crate::agreement::{self, Compared};
-use crate::{ACCURACY_COLUMNS, Report, Rows, Table, by_touch, joined, possessive, seeds};
+use crate::{ACCURACY_COLUMNS, Report, Rows, Table, by_touch, in_words, joined, possessive, seeds};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &TableOne) {
@@ -98,7 +98,7 @@ fn baselines(report: &Report, cells: &[Cell]) -> String {
     let units = [Unit::Component, Unit::Taxel];
     let labels = report.results.definition.labels();
     let percents = joined(units.into_iter().filter_map(of), " and ");
-    let (recalls, constant) = (labels.join(", "), 100.0 / labels.len() as f64);
+    let (recalls, constant) = (in_words(&labels), 100.0 / labels.len() as f64);
     format!(
         "An accuracy means little without its baseline. The majority baseline is the accuracy of always giving the most \
          frequent category: {percents}. The balanced accuracy is the mean of the recalls of {recalls}; for a constant verdict it \

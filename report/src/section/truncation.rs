@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use underbrush_experiments::experiment::truncation::{Truncated, TruncatedAccuracy};
 use underbrush_recording::distinct;
 
-use crate::{ACCURACY_HEADINGS, AccuracyChart, Cell, Report, Rows, Table, by_touch, joined, lowest, style};
+use crate::{ACCURACY_HEADINGS, AccuracyChart, Cell, Report, Rows, Table, by_touch, counted, joined, lowest, style};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &TruncatedAccuracy) {
@@ -18,7 +18,10 @@ pub fn add(report: &mut Report, outcome: &TruncatedAccuracy) {
     report.page.paragraph(&sentence(points));
     report.page.figure("Taxels, force, the first recipe; whiskers are 95 % intervals by reach.", &[chart(points)]);
     report.table(table(points));
-    let row = |point: &Truncated| format!("{} samples, {} states", length(point), point.states);
+    let row = |point: &Truncated| {
+        let samples = point.max_samples.map_or("all samples".to_owned(), |own| counted(own, "sample", "samples"));
+        format!("{samples}, {}", counted(point.states, "state", "states"))
+    };
     let rows = points.iter().map(|point| (row(point), &point.accuracy));
     report.table(by_touch("figure_13_by_touch", &name, rows));
 }
@@ -45,7 +48,9 @@ fn sentence(points: &[Truncated]) -> String {
         let (full, at_middle, at_shortest) =
             (of(states, None)?, of(states, Some(middle))?, of(states, Some(shortest))?);
         let mut text = format!(
-            "{states} states: {full:.1} % on whole trials, {at_middle:.1} % on {middle} samples ({:+.1} points)",
+            "{}: {full:.1} % on whole trials, {at_middle:.1} % on {} ({:+.1} points)",
+            counted(states, "state", "states"),
+            counted(middle, "sample", "samples"),
             at_middle - full
         );
         if shortest != middle {
@@ -64,7 +69,7 @@ fn chart(points: &[Truncated]) -> String {
         let own = points.iter().filter(|point| point.states == *states_here).map(|point| &point.accuracy);
         let marks = own.enumerate().map(|(place, own)| (place, own.accuracy, Some((own.low, own.high))));
         let aside = style::aside(series, states.len());
-        chart.series(&format!("{states_here} states"), style::paired(series), aside, marks);
+        chart.series(&counted(*states_here, "state", "states"), style::paired(series), aside, marks);
     }
     // The baseline is the same for all points, because truncating changes no category.
     chart.majority(points.first().map(|point| point.accuracy.majority_baseline));

@@ -5,7 +5,7 @@ use underbrush_classifier::evaluate::{UnknownFigures, share};
 use underbrush_experiments::experiment::verdicts::{VerdictFigures, Verdicts};
 
 use crate::style::FIRST;
-use crate::{Cell, Layer, Report, Rows, Shape, Table, joined, square_chart};
+use crate::{Cell, Layer, Point, Report, Rows, Shape, Table, joined, square_chart};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &VerdictFigures) {
@@ -98,11 +98,12 @@ fn rates(bin: &CalibrationBin) -> Option<(f64, f64)> {
 }
 
 fn calibration_chart(bins: &[CalibrationBin]) -> String {
-    let points: Vec<(f64, f64)> = bins.iter().filter_map(rates).collect();
-    let told = joined(points.iter().map(|(said, found)| format!("{said:.0}: {found:.0}")), ", ");
+    let rates = bins.iter().filter_map(rates);
+    let points: Vec<Point> = rates.map(|(said, found)| Point { x: said, y: found, interval: None }).collect();
+    let told = joined(points.iter().map(|Point { x, y, .. }| format!("{x:.0}: {y:.0}")), ", ");
     let description = format!("Per cent true by probability in per cent. {told}.");
     let axes = ("probability of the likeliest class / %", "it is true / %");
-    let layers = vec![Layer::new("held-out reaches", FIRST, Shape::Line(points))];
+    let layers = vec![Layer::new("held-out reaches", FIRST, Shape::Points(points))];
     let names = ("verdict-calibration", "Do probabilities mean what they say?");
     square_chart(names, description, axes, "as it should be", layers)
 }
@@ -113,4 +114,22 @@ fn calibration_table(bins: &[CalibrationBin]) -> Table {
         .number("true_percent", 2, |((_, found), _)| found)
         .column("taxel_frames", |(_, count)| count)
         .table("verdict_calibration", "Calibration of the verdicts")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tests that the curve has a mark for each bin with frames, as its legend says: the line between two marks is no
+    /// measurement.
+    #[test]
+    fn the_calibration_chart_marks_its_bins() {
+        let bins = [(4, 2.0, 1), (0, 0.0, 0), (10, 9.0, 9)].map(|(count, probability, true_count)| CalibrationBin {
+            count,
+            probability,
+            true_count,
+        });
+        // One more is in the legend.
+        assert_eq!(calibration_chart(&bins).matches("<circle").count(), 3);
+    }
 }

@@ -1,11 +1,14 @@
+use underbrush_classifier::evaluate::RocCurve;
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_experiments::experiment::example_trials::Typical;
 use underbrush_experiments::experiment::outliers::Detection;
 use underbrush_experiments::experiment::training_data::TrialsPerReach;
+use underbrush_experiments::online_models::Thresholds;
 use underbrush_experiments::{CellKey, Unit};
 
 use crate::agreement::{self, Compared};
 use crate::section::{classifiers, example_trials, outliers, training_data};
+use crate::tests::elements;
 
 fn key(states: usize) -> CellKey {
     CellKey { by: Unit::Taxel, features: FeatureSet::FORCE, states, recipe: "authors".into() }
@@ -48,7 +51,32 @@ fn the_page_says_how_cells_agree() {
     assert!(below.ends_with(expected), "{below}");
     // Without a published figure nothing is compared.
     let without = text(&cells[2..]);
-    assert_eq!(without, "The only cell is at or above the majority baseline.");
+    assert_eq!(without, "Here, the only cell is at or above the majority baseline.");
+    cells[2].majority_baseline = 80.0;
+    let all = text(&[cells[2], cells[2]]);
+    assert!(all.starts_with("Here, all 2 cells are below the majority baseline"), "{all}");
+}
+
+/// Tests that the marks of two recipes in one row of the first chart do not cover each other.
+#[test]
+fn two_recipes_are_drawn_beside_each_other() {
+    let keys = ["authors", "modern"].map(|recipe| CellKey { recipe: recipe.into(), ..key(5) });
+    let cells = keys.each_ref().map(|key| compared(key, 70.0, None));
+    let svg = agreement::dot_plot("cells", "Cells", &cells);
+    // The only paths with an absolute H are the whiskers. Marks are 10 px high.
+    let whiskers = elements(&svg).into_iter().flat_map(|own| own.1).filter_map(|(_, value)| {
+        let (start, _) = value.split_once('H')?;
+        start.split_once(' ')?.1.parse().ok()
+    });
+    let heights: Vec<f64> = whiskers.collect();
+    assert!(heights.len() == 2 && (heights[0] - heights[1]).abs() > 9.8, "{heights:?}");
+}
+
+/// Tests that the cells of a recipe are named as in English: "1 state", and "authors' recipe".
+#[test]
+fn cells_have_their_names_in_words() {
+    assert_eq!(key(1).with_recipe(), "taxel, force, 1 state, authors' recipe");
+    assert_eq!(key(5).name(), "taxel, force, 5 states");
 }
 
 /// Tests that the page says when the chosen thresholds leave nearly all taxel frames uncertain, and only then. The
@@ -68,6 +96,19 @@ fn the_page_says_when_its_rule_fails() {
     let text = outliers::chosen_rule_online(&[papers.clone(), row("chosen: 1 and 2", 3000, 40.0)]).unwrap();
     assert!(text.ends_with("leave 40.0 % uncertain."), "{text}");
     assert_eq!(outliers::chosen_rule_online(&[papers]), None);
+}
+
+/// Tests that the caption of the ROC curves tells of the curves that there are: without outlier reaches there is only one.
+#[test]
+fn the_caption_of_the_roc_curves_follows_them() {
+    let curve = || RocCurve::of(&[2.0], &[1.0]);
+    let mut thresholds =
+        Thresholds { chosen: Err("too few trials".into()), category_roc: curve(), outlier_roc: curve() };
+    let both = outliers::roc_caption(&thresholds, "leaf");
+    assert!(both.contains("Of leaf:") && both.contains("Of outliers:"), "{both}");
+    thresholds.outlier_roc = None;
+    let one = outliers::roc_caption(&thresholds, "leaf");
+    assert!(one.contains("Of leaf:") && !one.contains("Of outliers:"), "{one}");
 }
 
 /// Tests that each statement of the paper on Fig. 5 is compared with the medians, in both directions.
