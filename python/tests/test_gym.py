@@ -111,6 +111,13 @@ def test_first_resets_without_a_seed_differ() -> None:
         assert same(one.reset()[0], other.reset()[0])
 
 
+def test_first_resets_of_some_without_a_seed_differ() -> None:
+    """Tests that environments whose seed in a list is None draw one at their first reset."""
+    one, other = ub_gym.ReachVectorEnv(3, SCENE), ub_gym.ReachVectorEnv(3, SCENE)
+    goals = [many.reset(seed=[1, None, 3])[0]["goal_position_world"] for many in (one, other)]
+    assert (goals[0] == goals[1]).all(axis=1).tolist() == [True, False, True]
+
+
 def test_the_waypoint_controller_reaches_goals() -> None:
     """Tests that waypoints towards the goal bring the hand there: the episode ends as `reached`, with the reward for
     it."""
@@ -149,6 +156,7 @@ def test_bad_use_is_refused() -> None:
         ({"frames_per_step": 0}, "frames_per_step"),
         ({"controller": "none"}, "cody-2013"),
         ({"width": 10}, "64 to 1280 pixels"),
+        ({"seed": 3}, "only in reset"),
         ({"largest_waypoint_m": 0.2}, 'largest_waypoint_m: found given with action="equilibrium"'),
         ({"action": "waypoint", "largest_change_rad": 0.1}, 'largest_change_rad: found given with action="waypoint"'),
     ):

@@ -1,8 +1,11 @@
 """The estimators for scikit-learn, and scikit-learn's classifiers where underbrush expects its own."""
 
+import warnings
+
 import numpy as np
 import pytest
 from sklearn.base import clone
+from sklearn.exceptions import NotFittedError
 from sklearn.linear_model import LogisticRegression
 from sklearn.model_selection import GridSearchCV, GroupKFold, cross_val_score
 from sklearn.pipeline import make_pipeline
@@ -113,6 +116,41 @@ def test_arrays_in_a_list_are_trials() -> None:
     y = ["a", "b"]
     with_gap, without = (ours.LogisticClassifier().fit_sequences([own, second], y) for own in (gap, first))
     assert np.array_equal(with_gap.predict_proba([first]), without.predict_proba([first]))
+
+
+def test_another_fit_forgets_the_names_of_columns(trials: ub.Trials) -> None:
+    """Tests that a fit to trials or sequences forgets the columns of a data frame, so that arrays are judged without a warning."""
+    pandas = pytest.importorskip("pandas")
+    rows, y = trials.padded(samples=60), np.array(trials.categories)
+    frame = pandas.DataFrame(rows, columns=[f"force {sample}" for sample in range(60)])
+    of_trials, of_sequences = (ours.LogisticClassifier().fit(frame, y) for _ in range(2))
+    of_trials.fit_trials(trials)
+    of_sequences.fit_sequences(trials.sequences(), y)
+    for own in (of_trials, of_sequences):
+        assert not hasattr(own, "feature_names_in_")
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            own.predict(rows)
+
+
+def test_a_fit_that_fails_leaves_the_classes() -> None:
+    """Tests that after a fit that fails an estimator has the classes of its model, or is not fitted."""
+    rows, y = np.repeat([[1.0], [5.0]], 10, axis=0) * np.linspace(0.9, 1.1, 8), np.repeat(["a", "b"], 10)
+    own, fresh = ours.LogisticClassifier().fit(rows, y), ours.LogisticClassifier()
+    for estimator in (own, fresh):
+        with pytest.raises(ub.InputError, match="control characters"):
+            estimator.fit(rows, np.repeat(["c\n", "d"], 10))
+    assert own.classes_.tolist() == ["a", "b"]
+    with pytest.raises(NotFittedError):
+        fresh.predict(rows)
+    with pytest.raises(NotFittedError):
+        fresh.scores(ub.Trials.from_sequences(list(rows)))
+
+
+def test_numbers_are_no_classes_of_sequences() -> None:
+    """Tests that `fit_sequences` refuses labels that are measured numbers, as `fit` does."""
+    with pytest.raises(ValueError, match="continuous"):
+        ours.LogisticClassifier().fit_sequences([[1.0, 2.0], [3.0]], [0.5, 0.7])
 
 
 def test_scikit_learn_takes_part_in_evaluate(trials: ub.Trials) -> None:

@@ -51,6 +51,20 @@ def test_trials_are_a_sequence(trials: ub.Trials) -> None:
         trials.padded(samples=2**61)
 
 
+def test_arrays_have_types_where_they_are_taken() -> None:
+    """Tests that the types of the package allow NumPy's arrays and integers where the calls take them."""
+    mypy = pytest.importorskip("mypy.api")
+    code = """import numpy as np, underbrush as ub
+data, y = ub.Dataset("data"), np.array(["leaf", "trunk"])
+trials = ub.Trials.from_sequences(np.zeros((2, 5)), y, groups=np.arange(2)).with_categories(y)
+one: ub.Trial = trials[np.int64(0)]
+some: ub.Trials = trials[np.array([True, False])]
+data[np.int64(0)].render(np.arange(2))
+data.table("data", np.int64(0))"""
+    found, _, status = mypy.run(["--strict", "-c", code])
+    assert status == 0, found
+
+
 def test_joined_trials_keep_their_reaches_apart(data: ub.Dataset, tmp_path: Path) -> None:
     """Tests that joined trials of the reaches of a set have the numbers of the set, that those of other data get numbers of their
     own, also after pickling and other categories, and that numbers that occur twice are refused when trials are saved."""
@@ -167,6 +181,13 @@ def test_tests_on_training_data_are_noticed(trials: ub.Trials) -> None:
         ub.evaluate(trials[1::2], model)
         ub.evaluate(trials[1::2], ub.Options("naive-bayes"), train=trials[::2])
     assert not any("data" in str(own.message) for own in shown)
+
+
+def test_warnings_are_at_the_line_of_the_caller(trials: ub.Trials) -> None:
+    """Tests that a warning names the file that called the package, also if a module of the package called the libraries."""
+    with pytest.warns(UserWarning, match="all trials or contacts that were fitted") as found:
+        ub.fit(trials[np.array(trials.categories) == "leaf"], "logistic")
+    assert found[0].filename == __file__
 
 
 def test_trials_of_another_unit_are_noticed(data: ub.Dataset, trials: ub.Trials, tmp_path: Path, command) -> None:

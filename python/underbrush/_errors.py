@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import sys
 import warnings
 
 # What messages of the command line are called in Python, the longer ones first.
@@ -71,8 +73,11 @@ class InputError(ValueError):
 
 
 def warn(text: str) -> None:
-    """Shows a warning of the libraries at the line of the caller."""
-    warnings.warn(_in_python(text.removeprefix("warning: ")), stacklevel=2)
+    """Shows a warning of the libraries at the line that called the package."""
+    level, frame = 2, sys._getframe().f_back
+    while frame and os.path.dirname(frame.f_code.co_filename) == os.path.dirname(__file__):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(_in_python(text.removeprefix("warning: ")), stacklevel=level)
 
 
 def refused(field: str, found: str, allowed: str, remedy: str, file: str = "argument") -> InputError:

@@ -162,7 +162,9 @@ def _picture(width: int, height: int, camera: _core.Camera | None) -> tuple[int,
 
 
 def _refuse_unused(options: dict[str, Any]) -> None:
-    """Refuses the size of an action of the other kind."""
+    """Refuses a seed, and the size of an action of the other kind."""
+    if options.get("seed") is not None:
+        raise refused("seed", "given to the environment", "only in reset", "call reset(seed=...)")
     action = options.get("action") or "equilibrium"
     sizes = {"equilibrium": ("largest_waypoint_m", "waypoint"), "waypoint": ("largest_change_rad", "equilibrium")}
     # Another kind is refused where the environments are made.
@@ -239,13 +241,16 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArra
         """Begin an episode in every environment, or in those that ``options["reset_mask"]`` selects. The first reset without a
         seed draws one."""
         seeds: list[int | None]
-        if seed is None:
-            first = 0 if self._begun.all() else _drawn(self.np_random)
-            seeds = [None if begun else first + index for index, begun in enumerate(self._begun)]
-        elif isinstance(seed, (int, np.integer)):
+        if isinstance(seed, (int, np.integer)):
             seeds = [int(seed) + index for index in range(self.num_envs)]
         else:
-            seeds = [None if own is None else operator.index(own) for own in seed]
+            given = [None] * self.num_envs if seed is None else seed
+            seeds = [None if own is None else operator.index(own) for own in given]
+            # Those that have never begun need a seed.
+            missing = [index for index in np.flatnonzero(~self._begun) if index < len(seeds) and seeds[index] is None]
+            first = _drawn(self.np_random) if missing else 0
+            for index in missing:
+                seeds[index] = first + int(index)
         super().reset(seed=seeds[0] if seeds else None)
         mask = (options or {}).get("reset_mask")
         chosen = np.ones(self.num_envs, bool) if mask is None else np.asarray(mask, bool)

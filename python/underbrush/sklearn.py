@@ -100,7 +100,6 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         rows, labels = validate_data(
             self, X, y, ensure_all_finite="allow-nan", dtype=np.float64, estimator=self
         )
-        check_classification_targets(labels)
         return self._fitted(_sequences(rows), labels, None)
 
     def fit_sequences(
@@ -117,22 +116,27 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         groups : array (trials,), optional
             The reach of each trial. Fitting does not use it.
         """
-        labels = np.asarray(y)
-        self.__dict__.pop("n_features_in_", None)
-        return self._fitted(_sequences(sequences), labels, groups)
+        self._forget_columns()
+        return self._fitted(_sequences(sequences), np.asarray(y), groups)
 
     def fit_trials(self, trials: _core.Trials) -> Self:
         """Fit to trials with categories. Blocks, outliers and trials without a category are left out."""
-        self.__dict__.pop("n_features_in_", None)
+        self._forget_columns()
         self.model_ = _fit(trials, self._classifier, **self._options())
         self.classes_ = np.asarray(self.model_.categories)
         self._columns = list(range(len(self.classes_)))
         return self
 
+    def _forget_columns(self) -> None:
+        """Forgets the columns of rows that were fitted before."""
+        for name in ("n_features_in_", "feature_names_in_"):
+            self.__dict__.pop(name, None)
+
     def _fitted(self, sequences: list[Any], labels: NDArray[Any], groups: ArrayLike | None) -> Self:
-        self.classes_ = np.unique(labels)
-        names = [_inside(label) for label in self.classes_.tolist()]
-        inside = dict(zip(self.classes_.tolist(), names, strict=True))
+        check_classification_targets(labels)
+        classes = np.unique(labels)
+        names = [_inside(label) for label in classes.tolist()]
+        inside = dict(zip(classes.tolist(), names, strict=True))
         trials = _core.Trials.from_sequences(
             sequences,
             [inside[label] for label in labels.tolist()],
@@ -141,8 +145,12 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         )
         self.model_ = _fit(trials, self._classifier, **self._options())
         order = self.model_.categories
-        self._columns = [order.index(name) for name in names]
+        # Only now, so that a fit that fails leaves no classes of another model.
+        self.classes_, self._columns = classes, [order.index(name) for name in names]
         return self
+
+    def __sklearn_is_fitted__(self) -> bool:
+        return hasattr(self, "model_")
 
     def _scored(self, X: Any) -> NDArray[np.float64]:
         check_is_fitted(self)
@@ -187,6 +195,7 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
 
     def scores(self, trials: _core.Trials) -> NDArray[np.float64]:
         """The scores of trials in the order of ``categories``."""
+        check_is_fitted(self)
         return self.model_.scores(trials)
 
     def online(self, skin: _core.Skin, patch: str | None = None, **options: Any) -> _core.Online:
