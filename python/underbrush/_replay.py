@@ -46,7 +46,7 @@ def replay(
     model : path, optional
         A model of trials or a touch model, whose verdicts are shown.
     patch : str, optional
-        The patch that is judged; the first by default. A touch model knows what it judges.
+        The patch that is judged; by default the first. A touch model itself says which patches it judges.
 
     Returns
     -------

@@ -102,7 +102,7 @@ impl Stream {
         tally
     }
 
-    /// All taxels in contact whose truth is known, summed over all frames.
+    /// The taxels in contact whose truth is known, summed over all frames.
     pub fn total(&self) -> Tally {
         Tally::sum(self.truths.iter().map(|truth| self.tally_of(Some(*truth))))
     }

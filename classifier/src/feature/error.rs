@@ -82,7 +82,7 @@ pub enum FeatureError {
     /// A feature of this name that is listed twice.
     #[error("the feature {0} is listed twice; list each feature once")]
     Repeated(&'static str),
-    /// More features than the largest number that a classifier can have.
+    /// More features than this number, which is the most that a classifier can have.
     #[error("too many features are listed; list at most {0}")]
     TooMany(usize),
     /// An empty list.
