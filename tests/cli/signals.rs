@@ -110,14 +110,23 @@ fn trials_leave_nothing_behind() {
     let outputs = tempfile::tempdir().unwrap();
     let (table, out) = (long_table(folder.path()), outputs.path().join("out.csv"));
     let trials: [PathBuf; 4] = ["trials".into(), table, "--out".into(), out.clone()];
-    let at_work = || !unfinished(outputs.path()).is_empty();
-    // Writing takes a good part of a second. If the test was too slow to see it, it tries again.
-    let interrupt = |signal: &str| (0..20).find_map(|_| interrupted(&trials, signal, at_work)).unwrap();
+    // The program first makes and removes an empty file to see whether it can write there, so an empty one is no sign.
+    let at_work = || {
+        let mut files = std::fs::read_dir(outputs.path()).unwrap().map(Result::unwrap);
+        files.any(|file| file.metadata().is_ok_and(|metadata| metadata.len() > 0))
+    };
+    // Writing takes a good part of a second. If the test was too slow to see it or to send the signal, it tries again.
+    let interrupt = |signal: &str, number: i32| {
+        (0..20).any(|_| {
+            let _ = std::fs::remove_file(&out);
+            interrupted(&trials, signal, at_work).is_some_and(|output| output.status.signal() == Some(number))
+        })
+    };
     for (name, number) in [("INT", 2), ("TERM", 15)] {
-        assert_eq!(interrupt(name).status.signal(), Some(number));
+        assert!(interrupt(name, number), "SIG{name}");
         assert_eq!(unfinished(outputs.path()), Vec::<PathBuf>::new(), "after SIG{name}");
     }
-    interrupt("KILL");
+    assert!(interrupt("KILL", 9));
     assert_eq!(unfinished(outputs.path()).len(), 1, "SIGKILL cannot be answered");
     let small = fixture().table_csv();
     underbrush!["trials", small, "--out", out].success();
