@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use underbrush_recording::Pose;
 
 use super::chord::Faces;
-use super::plane::Pair;
+use super::plane::{DepthSearch, Pair};
 use super::settle::{KnownContact, settle};
 use crate::geometry::parry_pose;
 
@@ -97,7 +97,7 @@ fn follow(path: u64, counted: &mut Counted) {
         }
         let pair = pair_at(along_m);
         let known_or_nearest = known.or_else(|| {
-            let (normal_world, middle_world) = pair.nearest(0.005)?;
+            let (normal_world, middle_world) = pair.nearest(0.005, &mut DepthSearch::default())?;
             Some(KnownContact { origin_world: middle_world?, normal_world, region: None })
         });
         let mut nodes = Vec::new();

@@ -2,8 +2,9 @@
 //! to overlap: the first search for a contact.
 
 use glam::DVec3;
-use parry3d::query::details::contact_support_map_support_map_with_params;
-use parry3d::query::gjk::{GJKResult, VoronoiSimplex};
+use parry3d::math::Vector;
+use parry3d::query::epa::EPA;
+use parry3d::query::gjk::{CsoPoint, GJKResult, VoronoiSimplex, closest_points};
 use parry3d::shape::{Shape, TypedShape};
 use underbrush_recording::Pose;
 
@@ -36,6 +37,17 @@ impl Plane {
     pub fn turned_to(&self, normal_world: DVec3) -> Self {
         let first = self.tangents_world[0].reject_from_normalized(normal_world).normalize();
         Plane { normal_world, tangents_world: [first, normal_world.cross(first)], ..*self }
+    }
+}
+
+/// Parry's search for the depth of an overlap. It keeps its lists from search to search, so that a step allocates little. A
+/// copy begins with empty ones.
+#[derive(Default)]
+pub struct DepthSearch(EPA);
+
+impl Clone for DepthSearch {
+    fn clone(&self) -> Self {
+        Self::default()
     }
 }
 
@@ -91,16 +103,21 @@ impl Pair<'_> {
     /// Where the shapes are nearest or overlap: the unit direction from the second to the first in which they are apart,
     /// or in which they overlap least, and the middle between the nearest or deepest points, m, both in the world frame.
     /// Without the middle if they are more than `near_m` apart; `None` for shapes that are not convex.
-    pub fn nearest(&self, near_m: f64) -> Option<(DVec3, Option<DVec3>)> {
+    pub fn nearest(&self, near_m: f64, depth_search: &mut DepthSearch) -> Option<(DVec3, Option<DVec3>)> {
         let [first, second] = self.poses_world.each_ref().map(parry_pose);
         let (own, other) = (self.shapes[0].as_support_map()?, self.shapes[1].as_support_map()?);
-        let mut simplex = VoronoiSimplex::new();
         let between = first.inv_mul(&second);
-        let found = contact_support_map_support_map_with_params(&between, own, other, near_m, &mut simplex, None);
-        let (outward, middle) = match found {
+        let mut simplex = VoronoiSimplex::new();
+        let toward = between.translation.try_normalize().unwrap_or(Vector::X);
+        simplex.reset(CsoPoint::from_shapes(&between, own, other, toward));
+        let (outward, middle) = match closest_points(&between, own, other, near_m, true, &mut simplex) {
             GJKResult::ClosestPoints(on_first, on_second, outward) => (outward, Some(0.5 * (on_first + on_second))),
             GJKResult::NoIntersection(outward) => (outward, None),
-            GJKResult::Intersection | GJKResult::Proximity(_) => return None,
+            GJKResult::Intersection => match depth_search.0.closest_points(&between, own, other, &simplex) {
+                Some((on_first, on_second, outward)) => (outward, Some(0.5 * (on_first + on_second))),
+                None => (Vector::X, None),
+            },
+            GJKResult::Proximity(_) => return None,
         };
         let pose_world = &self.poses_world[0];
         Some((pose_world.transform_vector(-outward), middle.map(|middle| pose_world.transform_point(middle))))

@@ -9,7 +9,7 @@ use super::{ContactStep, Kept, KeptPatch, PairKey, key};
 use crate::contact::chord::Faces;
 use crate::contact::law::{Law, NormalSpeeds};
 use crate::contact::patch::Node;
-use crate::contact::plane::{Pair, Plane};
+use crate::contact::plane::{DepthSearch, Pair, Plane};
 use crate::contact::settle::{KnownContact, settle};
 use crate::contact::solver::ROWS;
 use crate::dynamics::Tree;
@@ -120,7 +120,13 @@ pub(super) enum Found {
 impl ContactStep {
     /// The patch of a pair of shapes, if it may press. A contact of the last step is followed; any other pair is searched
     /// for its nearest points.
-    pub(super) fn find(&self, meeting: &Meeting, nodes: &mut Vec<Node>, faces: &mut [Faces; 2]) -> Found {
+    pub(super) fn find(
+        &self,
+        meeting: &Meeting,
+        nodes: &mut Vec<Node>,
+        faces: &mut [Faces; 2],
+        depth_search: &mut DepthSearch,
+    ) -> Found {
         let body_pose = &meeting.body_poses[1];
         let mut apart_before = None;
         let deepest_m = |nodes: &[Node]| nodes.iter().map(|node| node.overlap_m).fold(0.0, f64::max);
@@ -145,7 +151,8 @@ impl ContactStep {
                 apart_before = Some(normal_world);
             }
         }
-        let Some((nearest_world, middle_world)) = meeting.pair.nearest(meeting.near_m) else { return Found::Nothing };
+        let nearest = meeting.pair.nearest(meeting.near_m, depth_search);
+        let Some((nearest_world, middle_world)) = nearest else { return Found::Nothing };
         let sibling = self.sibling(&meeting.bodies).map(|kept| body_pose.transform_vector(kept.normal));
         let mut known = apart_before.into_iter().chain(sibling);
         let flipped = known.find(|known| known.dot(nearest_world) < FLIPPED_COSINE);

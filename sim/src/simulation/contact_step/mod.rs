@@ -11,7 +11,7 @@ use super::placed::{PlacedLink, Scene};
 use crate::contact::chord::Faces;
 use crate::contact::outline::Outline;
 use crate::contact::patch::Node;
-use crate::contact::plane::Plane;
+use crate::contact::plane::{DepthSearch, Plane};
 use crate::contact::solver::{Convergence, Solver};
 use crate::contact::surface::Interface;
 use crate::physics::{PhysicsOptions, Theta};
@@ -102,6 +102,7 @@ struct Scratch {
     candidates: Vec<Candidate>,
     nodes: Vec<Node>,
     faces: [Faces; 2],
+    depth_search: DepthSearch,
     /// Pairs that a direction separates.
     apart: Vec<(PairKey, Kept)>,
     /// By slot: Σ k/m over the contacts, 1/s².
@@ -142,7 +143,7 @@ impl ContactStep {
                 continue;
             }
             let meeting = Meeting::new(scene, *colliders, mounts, step_s);
-            match self.find(&meeting, &mut scratch.nodes, &mut scratch.faces) {
+            match self.find(&meeting, &mut scratch.nodes, &mut scratch.faces, &mut scratch.depth_search) {
                 Found::Patch(candidate) => scratch.candidates.push(candidate),
                 Found::Apart(normal_world) => scratch.apart.push((key(colliders), meeting.kept_apart(normal_world))),
                 Found::Nothing => {

@@ -61,10 +61,10 @@ fn advance(simulation: &mut Simulation, equilibrium_angle_rad: &[f64]) -> Alloca
     found
 }
 
-/// Tests that only parry's search for the depth of overlaps and the broad phase allocate memory in a frame. The arm moves to
+/// Tests that frames allocate no memory, except those in which Rapier's broad phase runs: at most one in ten. The arm moves to
 /// and fro among leaves and trunks that it touches. The frames are those of [`Simulation::step`].
 #[test]
-fn only_parry_allocates_in_a_frame() {
+fn only_the_broad_phase_allocates_in_a_frame() {
     let plan = ReachPlan::new(Scene::parse("many.toml", SCENE.into()).unwrap(), None, 1).unwrap();
     // The frame with most touched taxels of six reaches.
     let touched = |index: u64| {
@@ -81,7 +81,7 @@ fn only_parry_allocates_in_a_frame() {
     }
     let held = &frames[most].equilibrium_angle_rad;
     // Two periods of a second in which buffers may still grow, and one that counts.
-    let (mut changed, mut counted) = (0, 0);
+    let (mut changed, mut counted, mut allocating) = (0, 0, 0);
     for frame in 0..300 {
         let sway = 0.02 * (f64::from(frame) * TAU / 100.0).sin();
         let angles: Vec<f64> = held.iter().map(|angle| angle + sway).collect();
@@ -103,11 +103,9 @@ fn only_parry_allocates_in_a_frame() {
         assert!(touching >= 4, "{touching} contacts in frame {frame}");
         let own = [found.before_steps, found.dormancy, found.report];
         assert_eq!(own, [0; 3], "frame {frame}: {found:?}");
-        // Within a step, parry's search makes its lists anew for each pair, and the broad phase some when it runs: 122
-        // allocations in a frame that was looked at. One allocation of our own for each patch, node or iteration would exceed the
-        // bound.
-        assert!(found.steps <= 24 * touching, "frame {frame}: {found:?} for {touching} contacts");
+        allocating += usize::from(found.steps > 0);
     }
+    assert!(10 * allocating <= counted, "{allocating} of {counted} frames");
     assert!(counted > 50, "{counted} frames without a change of the engine's objects");
 }
 
