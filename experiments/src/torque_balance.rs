@@ -32,9 +32,9 @@ pub struct TorqueBalance {
     /// Windows of 0.1 s with contact that were compared. Windows in which a joint is at its end stop are left out, because
     /// the stop's torque is not stored.
     pub windows: u32,
-    /// Sum over the windows of the norm of ∫ Σ Jᵀ f dt, Nm s.
+    /// Sum over the windows of the norm of ∫ Σ Jᵀ f dt, N m s.
     pub contact_impulse_nm_s: f64,
-    /// Sum over the windows of the norm of ∫ τ dt, Nm s.
+    /// Sum over the windows of the norm of ∫ τ dt, N m s.
     pub joint_impulse_nm_s: f64,
     /// Sum of the norms of the impulse that is missing, as a share of these two.
     pub residual_share: f64,
@@ -110,7 +110,7 @@ fn arms(dataset: &Dataset) -> Result<BTreeMap<String, Arm>, InputError> {
     provenance.scenes.iter().map(arm).collect()
 }
 
-/// The impulses of contacts and joints in a window, and the part of the change of momentum that nothing explains, Nm s.
+/// The impulses of contacts and joints in a window, and the part of the change of momentum that nothing explains, N m s.
 /// `None` if nothing is touched or a joint is at a stop.
 fn impulses(arm: &Arm, window: &[Frame]) -> Option<[DVector<f64>; 3]> {
     let is_at_stop =
@@ -132,7 +132,7 @@ fn impulses(arm: &Arm, window: &[Frame]) -> Option<[DVector<f64>; 3]> {
     Some([contact * FRAME_PERIOD_S, joints * FRAME_PERIOD_S, missing])
 }
 
-/// The mean torques of the joints' springs and dampers over a frame, Nm. The springs' rest angles change at its beginning;
+/// The mean torques of the joints' springs and dampers over a frame, N m. The springs' rest angles change at its beginning;
 /// they follow from the torques at its end.
 fn mean_joint_torque_nm(arm: &Arm, before: &Frame, frame: &Frame) -> DVector<f64> {
     DVector::from_fn(arm.joints.len(), |at, _| {
@@ -143,13 +143,13 @@ fn mean_joint_torque_nm(arm: &Arm, before: &Frame, frame: &Frame) -> DVector<f64
     })
 }
 
-/// M q̇, Nm s.
+/// M q̇, N m s.
 fn momentum_nm_s(arm: &Arm, frame: &Frame) -> DVector<f64> {
     let poses = arm.forward_kinematics(&frame.joint_angle_rad);
     arm.mass_matrix(&poses) * DVector::from_column_slice(&frame.joint_velocity_rad_per_s)
 }
 
-/// ½ ∂(q̇ᵀ M q̇)/∂q, Nm, by central differences.
+/// ½ ∂(q̇ᵀ M q̇)/∂q, N m, by central differences.
 fn energy_slope_nm(arm: &Arm, frame: &Frame) -> DVector<f64> {
     let velocity = DVector::from_column_slice(&frame.joint_velocity_rad_per_s);
     let energy_j = |joint: usize, change_rad: f64| {
@@ -162,7 +162,7 @@ fn energy_slope_nm(arm: &Arm, frame: &Frame) -> DVector<f64> {
     DVector::from_fn(arm.joints.len(), slope)
 }
 
-/// The torques of a frame's contacts on the joints, Nm.
+/// The torques of a frame's contacts on the joints, N m.
 fn contact_torque_nm(arm: &Arm, frame: &Frame) -> DVector<f64> {
     let poses = arm.forward_kinematics(&frame.joint_angle_rad);
     let mut torque_nm = DVector::zeros(arm.joints.len());

@@ -60,7 +60,7 @@ impl PyArm {
         array::row(py, self.arm.joints.iter().map(|joint| joint.start_rad))
     }
 
-    /// Stiffness of the joints' springs, Nm/rad: (joints,).
+    /// Stiffness of the joints' springs, N m/rad: (joints,).
     #[getter]
     fn stiffness_nm_per_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         array::row(py, self.arm.joints.iter().map(|joint| joint.stiffness_nm_per_rad))

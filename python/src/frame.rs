@@ -124,7 +124,7 @@ impl PyFrame {
         array::row(py, self.frame.equilibrium_angle_rad.iter().copied())
     }
 
-    /// Joint torques without gravity compensation, Nm: (joints,).
+    /// Joint torques without gravity compensation, N m: (joints,).
     #[getter]
     fn joint_torque_nm<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         array::row(py, self.frame.joint_torque_nm.iter().copied())

@@ -76,6 +76,7 @@ mod _core {
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         underbrush_experiments::show_warnings(crate::show_warning);
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        module.add("FILM_FPS", underbrush_render::Film::FPS)?;
         module.add("PROGRAM_VERSION", underbrush_experiments::dataset::PROGRAM_VERSION)
     }
 }

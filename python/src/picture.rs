@@ -31,8 +31,9 @@ pub struct PyCamera(pub SceneCamera);
 #[pymethods]
 impl PyCamera {
     #[new]
-    #[pyo3(signature = (eye_m, target_m, up = [0.0, 0.0, 1.0], vertical_fov_deg = 32.0, *, link = None, size_px = [320, 240]),
-           text_signature = "(eye_m, target_m, up=(0.0, 0.0, 1.0), vertical_fov_deg=32.0, *, link=None, size_px=(320, 240))")]
+    #[pyo3(signature = (eye_m, target_m, up = [0.0, 0.0, 1.0], vertical_fov_deg = SceneCamera::DEFAULT_FOV_DEG, *, link = None,
+                        size_px = [320, 240]),
+           text_signature = "(eye_m, target_m, up=(0.0, 0.0, 1.0), vertical_fov_deg=40.0, *, link=None, size_px=(320, 240))")]
     fn new(
         eye_m: [f64; 3],
         target_m: [f64; 3],
@@ -49,6 +50,12 @@ impl PyCamera {
     #[getter]
     fn size_px(&self) -> (usize, usize) {
         self.0.size_px.into()
+    }
+
+    /// Angle between the upper and the lower edge of the picture, degrees.
+    #[getter]
+    fn vertical_fov_deg(&self) -> f64 {
+        self.0.vertical_fov_deg
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {

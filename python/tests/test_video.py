@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import io
 import json
 from pathlib import Path
@@ -204,6 +205,9 @@ def test_the_cameras_of_a_scene_take_the_pictures(tmp_path: Path) -> None:
     one_goal = {"goals": {"count": 1}}
     scene = ub.Scene("trunk").changed(one_goal | {"cameras": cameras})
     assert list(scene.cameras) == ["front", "hand"] and scene.cameras["hand"].size_px == (64, 64)
+    # Cameras of scenes and of Python have the same default angle.
+    stated = inspect.signature(ub.Camera).parameters["vertical_fov_deg"].default
+    assert scene.cameras["front"].vertical_fov_deg == CAMERA.vertical_fov_deg == stated
     data = ub.generate(scene, 1, tmp_path / "one", seed=1, progress=False)
     count = underbrush.video.lerobot(data.path, tmp_path / "pictures")
     info = json.loads((tmp_path / "pictures" / "meta" / "info.json").read_text())

@@ -25,6 +25,7 @@ __all__ = [
     "ControllerInput",
     "Dataset",
     "Environments",
+    "FILM_FPS",
     "Frame",
     "Model",
     "Numbers",
@@ -65,6 +66,7 @@ __all__ = [
 ]
 
 __version__: str
+FILM_FPS: int
 PROGRAM_VERSION: str
 
 @final
@@ -203,7 +205,7 @@ class Camera:
         eye_m: Sequence[float] | NDArray[Any],
         target_m: Sequence[float] | NDArray[Any],
         up: Sequence[float] | NDArray[Any] = ...,
-        vertical_fov_deg: float = 32.0,
+        vertical_fov_deg: float = 40.0,
         *,
         link: str | None = None,
         size_px: Sequence[int] = ...,
@@ -212,6 +214,8 @@ class Camera:
     def _from_json(text: str) -> Camera: ...
     @property
     def size_px(self) -> tuple[int, int]: ...
+    @property
+    def vertical_fov_deg(self) -> float: ...
 
 def step_many(
     simulations: Sequence[Simulation], equilibrium_rad: ArrayLike, jobs: int | None = None

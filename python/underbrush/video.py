@@ -33,7 +33,8 @@ _SAMPLED_PICTURES, _SAMPLED_PIXELS = 5, 4
 _FARTHEST_M = 65.535
 _QUANTILES = {"q01": 1, "q10": 10, "q50": 50, "q90": 90, "q99": 99}
 # Where the camera of a data set is if its scenes have none, m: it sees the clutter of the shipped scenes.
-_EYE, _TARGET, _FIELD_DEG = (0.9, -1.5, 0.7), (0.55, -0.05, -0.15), 40.0
+_TARGET = (0.55, -0.05, -0.15)
+_FRONT = _core.Camera((0.9, -1.5, 0.7), _TARGET)
 _KINDS = {
     ".mp4": ("mp4", {}, "libx264", "yuv420p", {"crf": "20"}),
     # 0 repeats it without end.
@@ -83,7 +84,7 @@ def film(
     reach: _core.Reach,
     path: str | os.PathLike[str],
     *,
-    fps: int = 25,
+    fps: int = _core.FILM_FPS,
     speed: float = 1.0,
     size: tuple[int, int] = (640, 360),
     camera: _core.Camera | None = None,
@@ -235,7 +236,7 @@ def _cameras(dataset: _core.Dataset, given: Mapping[str, _core.Camera] | None) -
     texts = {own["name"]: own["file"]["text"] for own in dataset.provenance["scenes"]}
     scenes = {name: dict(given or _core.Scene.parse(text, f"{name}.toml").cameras) for name, text in texts.items()}
     if not any(scenes.values()):
-        scenes = {name: {"front": _core.Camera(_EYE, _TARGET, vertical_fov_deg=_FIELD_DEG)} for name in scenes}
+        scenes = {name: {"front": _FRONT} for name in scenes}
     first, *others = scenes.items()
     sizes = {name: camera.size_px for name, camera in first[1].items()}
     for name, cameras in others:
@@ -256,7 +257,7 @@ def lerobot(
     out: str | os.PathLike[str],
     cameras: Mapping[str, _core.Camera] | None = None,
     *,
-    fps: int = 25,
+    fps: int = _core.FILM_FPS,
     depth: bool = False,
 ) -> int:
     """Write a data set with the pictures of cameras, in the LeRobotDataset v3.0 layout.
@@ -383,7 +384,7 @@ def main(arguments: list[str] | None = None) -> int:
     films.add_argument("data", type=Path, help="recording (.parquet), data set or folder of recordings")
     films.add_argument("--reaches", type=_reaches, default=argparse.SUPPRESS, metavar="N", help="reach of the folder, from 0")
     _export.output_options(films, ".mp4 or .webp")
-    films.add_argument("--fps", type=int, default=25, help="pictures per second")
+    films.add_argument("--fps", type=int, default=_core.FILM_FPS, help="pictures per second")
     films.add_argument("--speed", type=float, default=1.0, help="how many times as fast as in reality it plays")
     films.add_argument("--size", type=_size, default="640x360", metavar="WxH", help="pixels")
     films.add_argument("--camera", default=argparse.SUPPRESS, metavar="NAME", help="camera of the scene file; for a data set")
@@ -391,12 +392,12 @@ def main(arguments: list[str] | None = None) -> int:
     sets.add_argument("data", type=Path, help="data set (folder)")
     sets.add_argument("--out", required=True, type=Path, help="folder to write")
     sets.add_argument("--json", action="store_true", help="print the result as one JSON object")
-    sets.add_argument("--fps", type=int, default=25, help="frames per second, a divisor of the data set's rate")
+    sets.add_argument("--fps", type=int, default=_core.FILM_FPS, help="frames per second, a divisor of the data set's rate")
     place: dict[str, Any] = {"type": float, "nargs": 3, "metavar": ("X", "Y", "Z")}
     sets.add_argument("--depth", action="store_true", help="also write the depth that each camera sees")
     sets.add_argument("--eye", **place, default=argparse.SUPPRESS, help="place of a camera instead of those of the scene files, m, world frame")
     sets.add_argument("--target", **place, default=_TARGET, help="with --eye: the middle of its pictures, m, world frame")
-    sets.add_argument("--fov", type=float, default=_FIELD_DEG, metavar="DEG", help="with --eye: angle between upper and lower edge")
+    sets.add_argument("--fov", type=float, default=_FRONT.vertical_fov_deg, metavar="DEG", help="with --eye: angle between upper and lower edge")
     sets.add_argument("--size", type=_size, default="320x240", metavar="WxH", help="with --eye: pixels")
     sets.add_argument("--name", default="front", help="with --eye: name of the camera")
     options = parser.parse_args(arguments)

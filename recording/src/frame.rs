@@ -165,7 +165,7 @@ pub struct ContactPoint {
     pub normal_world: Vec3,
     /// Mean force on the link over the frame, with friction, N, world frame.
     pub force_world: Vec3,
-    /// Mean moment on the link about the position, Nm, world frame: the friction of a patch that turns.
+    /// Mean moment on the link about the position, N m, world frame: the friction of a patch that turns.
     pub moment_world: Vec3,
     /// Mean velocity of the link's surface against the other, in the tangent plane, m/s, world frame.
     pub slip_world: Vec3,
@@ -186,7 +186,7 @@ pub struct Frame {
     pub joint_velocity_rad_per_s: Vec<f64>,
     /// Equilibrium angles φ of the joint springs, rad.
     pub equilibrium_angle_rad: Vec<f64>,
-    /// Joint torques K(φ − q) − D·q̇, Nm, without gravity compensation.
+    /// Joint torques K(φ − q) − D·q̇, N m, without gravity compensation.
     pub joint_torque_nm: Vec<f64>,
     /// Pose of the end effector.
     #[serde(alias = "tip_pose_world")]

@@ -8,7 +8,8 @@ use underbrush_sim::scene::limits::{FIELD_DEG, PICTURE_PX};
 /// Nothing nearer than this is seen, m.
 pub const NEAREST_M: f32 = 0.02;
 
-/// Angle between the upper and the lower edge of a picture, degrees. Choice: between those of the eye and of a portrait.
+/// Angle between the upper and the lower edge of a picture without a camera, degrees. Choice: between those of the eye and of a
+/// portrait, because such pictures are for readers. Cameras have a wider one (`SceneCamera::DEFAULT_FOV_DEG`).
 const STANDARD_DEG: f64 = 32.0;
 
 /// Why a picture cannot be drawn.

@@ -32,6 +32,9 @@ pub struct Film {
 }
 
 impl Film {
+    /// Pictures per second if nothing else is said. They fall on frames at 100 Hz, and on the hundredths of a second of GIFs.
+    pub const FPS: u16 = 25;
+
     /// The frames that it shows.
     pub fn frames(&self, recording: &Recording) -> Vec<usize> {
         // Not zero, so that there is an end.

@@ -25,9 +25,9 @@ const CHAIN: [[&str; 2]; 10] = [
     ["limits / deg", "limits_deg"],
     ["controller / deg", "controller_limits_deg"],
     ["start / deg", "start_deg"],
-    ["stiffness / (Nm/rad)", "stiffness_nm_per_rad"],
-    ["damping / (Nm s/rad)", "damping_nm_s_per_rad"],
-    ["torque / Nm", "torque_limit_nm"],
+    ["stiffness / (N m/rad)", "stiffness_nm_per_rad"],
+    ["damping / (N m s/rad)", "damping_nm_s_per_rad"],
+    ["torque / (N m)", "torque_limit_nm"],
     ["mass / kg", "mass_kg"],
     ["shapes", "shapes"],
 ];

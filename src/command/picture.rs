@@ -50,7 +50,7 @@ pub struct PictureArguments {
     #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true, conflicts_with = "out", requires = "picture")]
     target: Option<DVec3>,
     /// With --video: pictures per second, 1 to 50, each shown for whole hundredths of a second, so that 30 becomes 33
-    #[arg(long, value_name = "N", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 20, value_parser = whole(1..=50_u16))]
+    #[arg(long, value_name = "N", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = Film::FPS, value_parser = whole(1..=50_u16))]
     fps: u16,
     /// With --video: how many times as fast as in reality it plays, 0.1 to 100
     #[arg(long, value_name = "X", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 1.0, value_parser = number(|speed: &f64| (0.1..=100.0).contains(speed), "give a number from 0.1 to 100"))]

@@ -83,7 +83,7 @@ fn from_a_urdf_to_a_reach() {
     let found = underbrush!["inspect", arm, "--json"].json();
     let stiffness: Vec<f64> =
         found["chain"].as_array().unwrap().iter().map(|own| own["stiffness_nm_per_rad"].as_f64().unwrap()).collect();
-    // 90 Nm over 90 deg is more than 40 Nm/rad; 30 and 6 Nm over 90 deg are 19.1 and 3.8 Nm/rad.
+    // 90 N m over 90 deg is more than 40 N m/rad; 30 and 6 N m over 90 deg are 19.1 and 3.8 N m/rad.
     assert_eq!(stiffness, [40.0, 19.0, 3.8]);
     // 2.5 rad are 143.24 deg.
     assert_eq!(found["chain"][0]["controller_limits_deg"], json!([-138.2, 138.2]));
@@ -124,8 +124,8 @@ fn the_chain_is_a_table() {
     let cells = |line: usize| {
         lines[line].split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect::<Vec<_>>().join(" | ")
     };
-    let titles = "joint | moves | limits / deg | controller / deg | start / deg | stiffness / (Nm/rad) | \
-                  damping / (Nm s/rad) | torque / Nm | mass / kg | shapes";
+    let titles = "joint | moves | limits / deg | controller / deg | start / deg | stiffness / (N m/rad) | \
+                  damping / (N m s/rad) | torque / (N m) | mass / kg | shapes";
     assert_eq!(cells(0), titles);
     // 2.5133 rad are 144.0 deg.
     let elbow = "elbow_flexion | elbow | 0.0 to 144.0 | 0.0 to 144.0 | 122.0 | 25.0 | 1.43 | 20.0 | 0.3388 | 1";

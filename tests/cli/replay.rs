@@ -167,11 +167,14 @@ fn reaches_are_drawn() {
         let arguments = ["replay", recording.to_str().unwrap(), "--video", film.to_str().unwrap(), "--force", "--json"];
         call(arguments.into_iter().chain(options.split(' ')).map(Into::into).collect(), "").json()
     };
-    let written = film_of("--size 64x65 --fps 10 --speed 8");
-    assert_eq!(std::fs::read(&film).unwrap()[..10], *b"GIF89a\x40\0\x41\0");
-    let (seconds, pictures) = (reach["simulated_s"].as_f64().unwrap(), written["pictures"].as_f64().unwrap());
-    // One for every 0.8 s, and one at the start.
-    assert!((pictures - seconds / 0.8).abs() <= 1.0, "{pictures} pictures of {seconds} s");
+    // Without --fps there are 25 pictures per second.
+    for options in ["--size 64x65 --fps 10 --speed 8", "--size 64x65 --speed 20"] {
+        let written = film_of(options);
+        assert_eq!(std::fs::read(&film).unwrap()[..10], *b"GIF89a\x40\0\x41\0");
+        let (seconds, pictures) = (reach["simulated_s"].as_f64().unwrap(), written["pictures"].as_f64().unwrap());
+        // One for every 0.8 s, and one at the start.
+        assert!((pictures - seconds / 0.8).abs() <= 1.0, "{options}: {pictures} pictures of {seconds} s");
+    }
 }
 
 /// Tests that pictures of more than one reach, of nothing, with another ending, and with numbers outside their limits are

@@ -8,7 +8,7 @@ use sweep::Sweep;
 #[path = "../../benches/peers/sweep.rs"]
 mod sweep;
 
-/// Mean torques, Nm, of springs and dampers, and of contact forces, from 2 s to 3 s of the sweep.
+/// Mean torques, N m, of springs and dampers, and of contact forces, from 2 s to 3 s of the sweep.
 ///
 /// The forearm then moves at its fastest through the leaves, and contact points come and go in every frame.
 fn mean_torques(leaves: usize) -> (DVector<f64>, DVector<f64>) {

@@ -20,7 +20,7 @@ pub const CHECK: Check = Check {
 };
 
 const DAMPERS_LEFT_ON: Falsification =
-    Falsification::new("dampers of the simulated joints", "1e-4 Nm s/rad instead of none").breaking(&["after 5 s"]);
+    Falsification::new("dampers of the simulated joints", "1e-4 N m s/rad instead of none").breaking(&["after 5 s"]);
 const LONG_STEP: Falsification =
     Falsification::new("the shortest step of the engine", "twice as long").breaking(&["order in the step"]);
 const DRIVING_DAMPERS: Falsification = Falsification::new("sign of the simulated joints' dampers", "negative");

@@ -36,7 +36,7 @@ fn compare(simulated: Simulated) -> Found {
         }
         let reason =
             "0.1 %: a state of rest has no discretization error; what remains is creep of the contact under friction";
-        let torques = Comparison::of(format!("joint torques, {name} (norm)"), "Nm", contacts.norm(), springs.norm());
+        let torques = Comparison::of(format!("joint torques, {name} (norm)"), "N m", contacts.norm(), springs.norm());
         Ok(Comparison { residual: (&springs + &contacts).norm() / contacts.norm(), ..torques.relative(1e-3, reason) })
     };
     let pushes = [

@@ -58,7 +58,7 @@ impl ClampedLeaf {
         self.rig.pose_world(self.last).transform_point(self.tip_body)
     }
 
-    /// One step with a force, N, and a moment, Nm, on the tip.
+    /// One step with a force, N, and a moment, N m, on the tip.
     pub fn step(&mut self, force_world: DVec3, moment_world: DVec3) {
         let tip = self.tip();
         self.rig.push(self.last, force_world, tip, moment_world);

@@ -5,14 +5,14 @@ use std::fmt::Write;
 
 use super::axis::Fitted;
 use super::layer::{Layer, Mark, Point, Shape, Style};
-use super::markup::{joined, squeezed, svg_text};
+use super::markup::{LETTER, joined, squeezed, svg_text};
 
 /// Sizes of the drawing and of the margins around the data, px. The drawing is scaled to the available width.
 pub(super) const WIDTH: f64 = 540.0;
 pub(super) const PLOT_HEIGHT: f64 = 230.0;
 pub(super) const LEFT: f64 = 58.0;
 pub(super) const RIGHT: f64 = 16.0;
-/// Names with more letters than this are compressed to fit beside their strip.
+/// Names of strips with more letters than this need a wider margin on the left.
 const LETTERS_BESIDE_STRIP: usize = 7;
 pub(super) const MARK_RADIUS: f64 = 5.0;
 /// Height of a strip of bands with the gap below it.
@@ -23,6 +23,7 @@ const TICK: f64 = 10.0;
 
 /// The chart's data area in px, and the scales that fill it.
 pub(super) struct Plot {
+    pub(super) left: f64,
     pub(super) top: f64,
     pub(super) x: Fitted,
     pub(super) y: Fitted,
@@ -30,7 +31,7 @@ pub(super) struct Plot {
 
 impl Plot {
     pub(super) fn x_px(&self, value: f64) -> Option<f64> {
-        self.x.share(value).map(|share| LEFT + share * (WIDTH - LEFT - RIGHT))
+        self.x.share(value).map(|share| self.left + share * (WIDTH - self.left - RIGHT))
     }
 
     pub(super) fn y_px(&self, value: f64) -> Option<f64> {
@@ -52,6 +53,12 @@ impl Plot {
 /// How far this many strips push the tick labels down, px.
 pub(super) fn strips_height(count: usize) -> f64 {
     if count == 0 { 0.0 } else { count as f64 * STRIP + 4.0 }
+}
+
+/// The margin on the left of a chart with strips of these names, px. It leaves at least half of the drawing to the data.
+pub(super) fn beside_strips<'a>(names: impl Iterator<Item = &'a str>) -> f64 {
+    let letters = names.map(|name| name.chars().count()).filter(|letters| *letters > LETTERS_BESIDE_STRIP).max();
+    letters.map_or(LEFT, |letters| (10.0 + LETTER * letters as f64).round().min(WIDTH / 2.0))
 }
 
 /// The drawing so far.
@@ -115,7 +122,7 @@ impl<'a> Canvas<'a> {
 
     fn bars(&mut self, heights: &[f64], style: &Style, fill: &str) {
         let plot = self.plot;
-        let slot = (WIDTH - LEFT - RIGHT) / plot.x.ticks.len().max(1) as f64;
+        let slot = (WIDTH - plot.left - RIGHT) / plot.x.ticks.len().max(1) as f64;
         self.stacked.resize(self.stacked.len().max(heights.len()), 0.0);
         for (place, height) in heights.iter().enumerate() {
             let (from, to) = (self.stacked[place], self.stacked[place] + height);
@@ -159,13 +166,14 @@ impl<'a> Canvas<'a> {
         let height = STRIP - STRIP_GAP;
         let middle = top + height / 2.0;
         self.strips += 1;
-        let space = LEFT - 6.0;
+        let left = self.plot.left;
+        let space = left - 6.0;
         let mut attributes = " text-anchor=\"end\"".to_owned();
         if name.chars().count() > LETTERS_BESIDE_STRIP {
-            attributes += &squeezed(space - 2.0);
+            attributes += &squeezed(name, LETTER, space - 2.0);
         }
         let text = svg_text(space, middle + 5.0, &attributes, name);
-        let _ = writeln!(self.svg, "<path d=\"M{LEFT} {middle:.1}H{:.1}\" stroke=\"#d8dce0\"/>{text}", WIDTH - RIGHT);
+        let _ = writeln!(self.svg, "<path d=\"M{left} {middle:.1}H{:.1}\" stroke=\"#d8dce0\"/>{text}", WIDTH - RIGHT);
         for (from, to) in bands {
             let Some((left, right)) = self.plot.x_px(*from).zip(self.plot.x_px(*to)) else { continue };
             let (width, colour) = ((right - left).max(0.5), style.colour);

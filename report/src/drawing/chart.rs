@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use super::axis::{Axis, Fitted, Scale};
-use super::canvas::{Canvas, LEFT, MARK_RADIUS, Plot, RIGHT, WIDTH, strips_height};
+use super::canvas::{Canvas, LEFT, MARK_RADIUS, Plot, RIGHT, WIDTH, beside_strips, strips_height};
 use super::layer::{Dash, Layer, Mark, Shape, Style};
-use super::markup::{FONT, escape, slug, squeezed, svg_head, svg_text};
+use super::markup::{FONT, LETTER, escape, slug, squeezed, svg_head, svg_text};
 
 /// A chart with its text. Layers are drawn in order.
 ///
@@ -34,8 +34,6 @@ pub struct Chart {
 }
 
 const LINE: f64 = 21.0;
-/// Mean width of a letter of a sans-serif font, relative to the font size.
-const LETTER: f64 = 0.54;
 /// Height of a row of a chart that lies on its side, px.
 const ROW: f64 = 24.0;
 
@@ -53,18 +51,32 @@ pub fn chart(
     Chart { name: name.into(), title: title.into(), description: description.into(), x, y, layers }.svg()
 }
 
+/// Whether these names fit beside each other on the horizontal axis of a chart.
+pub(crate) fn fit_on_axis(names: &[String]) -> bool {
+    let place = (WIDTH - LEFT - RIGHT) / names.len().max(1) as f64;
+    names.iter().all(|name| LETTER * (name.chars().count() as f64) < place)
+}
+
+/// The label of a horizontal axis whose tick labels are below `ticks_top`.
+fn label_below(axis: &Axis, ticks_top: f64) -> String {
+    let right = WIDTH - RIGHT;
+    let attributes = format!(" text-anchor=\"end\"{}", squeezed(&axis.label, LETTER, right - 2.0));
+    svg_text(right, ticks_top + 2.0 * LINE, &attributes, &axis.label)
+}
+
 impl Chart {
     /// The chart as an SVG element that fills the available width.
     pub fn svg(&self) -> String {
         let mut legend = String::new();
         let legend_rows = self.legend(&mut legend);
+        let strips = || self.layers.iter().filter(|layer| matches!(layer.shape, Shape::Bands(_)));
         let plot = Plot {
+            left: beside_strips(strips().map(|layer| layer.name.as_str())),
             top: (legend_rows + 2.0) * LINE + 10.0,
             x: Fitted::new(&self.x.scale, self.layers.iter().flat_map(Layer::xs), 6.0).tight(),
             y: Fitted::new(&self.y.scale, self.values(), 5.0),
         };
-        let strips = self.layers.iter().filter(|layer| matches!(layer.shape, Shape::Bands(_)));
-        let ticks_top = plot.bottom() + strips_height(strips.count());
+        let ticks_top = plot.bottom() + strips_height(strips().count());
         let mut svg = self.head(&legend, ticks_top);
         self.axes(&mut svg, &plot, ticks_top);
         let mut canvas = Canvas::new(&mut svg, &plot);
@@ -123,7 +135,7 @@ impl Chart {
     fn legend(&self, svg: &mut String) -> f64 {
         let (mut x, mut row) = (2.0, 1.0);
         for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.in_legend()) {
-            let width = 44.0 + LETTER * FONT * layer.name.chars().count() as f64;
+            let width = 44.0 + LETTER * layer.name.chars().count() as f64;
             if x > 2.0 && x + width > WIDTH {
                 (x, row) = (2.0, row + 1.0);
             }
@@ -139,7 +151,7 @@ impl Chart {
                 let mark = mark.map_or(String::new(), |mark| mark.svg(x + 13.0, y, MARK_RADIUS, colour));
                 if layer.is_joined() { line + &mark } else { mark }
             };
-            let fit = if width > WIDTH { squeezed(WIDTH - 44.0) } else { String::new() };
+            let fit = squeezed(&layer.name, LETTER, WIDTH - 44.0);
             let _ = writeln!(svg, "{key}{}", svg_text(x + 30.0, y + 5.0, &fit, &layer.name));
             x += width;
         }
@@ -148,11 +160,12 @@ impl Chart {
 
     /// Lines and labels of both axes, with the tick labels of x below `ticks_top`.
     fn axes(&self, svg: &mut String, plot: &Plot, ticks_top: f64) {
-        let (top, bottom) = (plot.top, plot.bottom());
+        let Plot { left, top, .. } = *plot;
+        let bottom = plot.bottom();
         for (value, label) in &plot.y.ticks {
             let Some(y) = plot.y_px(*value) else { continue };
-            let text = svg_text(LEFT - 6.0, y + 5.0, " text-anchor=\"end\"", label);
-            let _ = writeln!(svg, "<path d=\"M{LEFT} {y:.1}H{:.1}\" stroke=\"#d8dce0\"/>{text}", WIDTH - RIGHT);
+            let text = svg_text(left - 6.0, y + 5.0, " text-anchor=\"end\"", label);
+            let _ = writeln!(svg, "<path d=\"M{left} {y:.1}H{:.1}\" stroke=\"#d8dce0\"/>{text}", WIDTH - RIGHT);
         }
         for (value, label) in &plot.x.ticks {
             let Some(x) = plot.x_px(*value) else { continue };
@@ -160,10 +173,10 @@ impl Chart {
             let _ = writeln!(svg, "<path d=\"M{x:.1} {bottom:.1}v5\" stroke=\"#555555\"/>{text}");
         }
         let (right, above, y_label) = (WIDTH - RIGHT, top - 13.0, escape(&self.y.label));
-        let x_label = svg_text(right, ticks_top + 2.0 * LINE, " text-anchor=\"end\"", &self.x.label);
+        let x_label = label_below(&self.x, ticks_top);
         let _ = writeln!(
             svg,
-            "<path d=\"M{LEFT} {top:.1}V{bottom:.1}H{right:.1}\" fill=\"none\" stroke=\"#555555\"/>\
+            "<path d=\"M{left} {top:.1}V{bottom:.1}H{right:.1}\" fill=\"none\" stroke=\"#555555\"/>\
              <text x=\"2\" y=\"{above:.1}\">{y_label}</text>{x_label}"
         );
     }
@@ -175,7 +188,7 @@ impl Chart {
         let top = (self.legend(&mut legend) + 1.0) * LINE + 10.0;
         let bottom = top + ROW * names.len() as f64;
         let longest = names.iter().map(|name| name.chars().count()).max().unwrap_or_default();
-        let left = 8.0 + LETTER * FONT * longest as f64;
+        let left = (9.0 + LETTER * longest as f64).min(WIDTH / 2.0);
         let values = Fitted::new(&self.y.scale, self.layers.iter().flat_map(Layer::ys), 6.0).tight();
         let at = |value: f64| values.share(value).map(|share| left + share * (WIDTH - left - RIGHT));
         let mut svg = self.head(&legend, bottom);
@@ -186,9 +199,10 @@ impl Chart {
         }
         for (row, name) in names.iter().enumerate() {
             let y = top + (row as f64 + 0.5) * ROW;
-            svg.push_str(&svg_text(left - 8.0, y + 5.0, " text-anchor=\"end\"", name));
+            let attributes = format!(" text-anchor=\"end\"{}", squeezed(name, LETTER, left - 8.0));
+            svg.push_str(&svg_text(left - 8.0, y + 5.0, &attributes, name));
         }
-        svg.push_str(&svg_text(WIDTH - RIGHT, bottom + 2.0 * LINE, " text-anchor=\"end\"", &self.y.label));
+        svg.push_str(&label_below(&self.y, bottom));
         for layer in &self.layers {
             let Shape::Points(points) = &layer.shape else { continue };
             let colour = layer.style.colour;

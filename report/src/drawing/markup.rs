@@ -2,6 +2,10 @@
 
 /// Font size, px. On a phone, where a chart is 360 px wide, text of this size is still 10 px tall.
 pub(super) const FONT: f64 = 15.0;
+/// Mean width of a letter of a sans-serif font, px.
+pub(crate) const LETTER: f64 = 0.54 * FONT;
+/// The same of a bold one.
+const BOLD_LETTER: f64 = 0.6 * FONT;
 
 /// Text with the special characters of SVG and HTML as entities. Control characters, which XML does not allow, become
 /// spaces.
@@ -57,18 +61,23 @@ pub fn svg_text(x: f64, y: f64, attributes: &str, words: &str) -> String {
     format!("<text x=\"{x:.1}\" y=\"{y:.1}\"{attributes}>{}</text>", escape(words))
 }
 
-/// The attributes of words that are squeezed into a width, px.
-pub(super) fn squeezed(width: f64) -> String {
+/// The attributes of words that are squeezed into a width, px, if letters of this mean width would need more.
+pub(crate) fn squeezed(words: &str, letter: f64, width: f64) -> String {
+    if letter * (words.chars().count() as f64) <= width {
+        return String::new();
+    }
     format!(" textLength=\"{width:.1}\" lengthAdjust=\"spacingAndGlyphs\"")
 }
 
-/// The start of a picture whose title is shown in its first line and, with the description, read aloud.
+/// The start of a picture whose title is shown in its first line and, with the description, read aloud. A long title is
+/// squeezed into the width.
 pub fn svg_head(name: &str, title: &str, description: &str, [width, height]: [f64; 2]) -> String {
+    let fit = squeezed(title, BOLD_LETTER, width - 4.0);
     let (name, title, description) = (slug(name), escape(title), escape(description));
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" role=\"img\" \
          aria-labelledby=\"{name}-title {name}-desc\" font-family=\"sans-serif\" font-size=\"{FONT}\" fill=\"#222222\">\n\
          <title id=\"{name}-title\">{title}</title>\n<desc id=\"{name}-desc\">{description}</desc>\n\
-         <text x=\"2\" y=\"{FONT}\" font-weight=\"bold\">{title}</text>\n"
+         <text x=\"2\" y=\"{FONT}\" font-weight=\"bold\"{fit}>{title}</text>\n"
     )
 }

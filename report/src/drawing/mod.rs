@@ -13,8 +13,10 @@ mod page;
 mod table;
 
 pub use axis::{Axis, Scale};
+pub(crate) use chart::fit_on_axis;
 pub use chart::{Chart, chart};
 pub use layer::{Dash, Layer, Mark, Point, Shape, Style};
+pub(crate) use markup::{LETTER, squeezed};
 pub use markup::{escape, joined, slug, svg_head, svg_text};
 pub use page::Page;
 pub use table::{Cell, Rows, Table};

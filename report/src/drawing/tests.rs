@@ -302,3 +302,38 @@ fn a_long_name_fits_into_the_legend() {
     let number = |name: &str| attribute(words(&long), name).unwrap().parse::<f64>().unwrap();
     assert!(number("x") + number("textLength") <= width);
 }
+
+/// Tests that a long title, long labels of axes and the names of strips lie within the drawing, and that the data make room for
+/// the name of a strip.
+#[test]
+fn long_texts_stay_in_the_drawing() {
+    let long = "name ".repeat(20);
+    let name = "a".repeat(24);
+    let band = Layer::new(name.as_str(), STYLES[0], Shape::Bands(vec![(0.0, 1.0)]));
+    let chart = Chart { title: long.clone(), ..chart(linear(&long), linear("y"), vec![band]) };
+    let elements = elements(&chart.svg());
+    let number = |own: &Element, name: &str| attribute(own, name).unwrap().parse::<f64>().unwrap();
+    let words = |name: &str| elements.iter().filter(|own| own.0 == "text" && own.2 == name).collect::<Vec<_>>();
+    let width: f64 = attribute(&elements[0], "viewBox").unwrap().split(' ').nth(2).unwrap().parse().unwrap();
+    let [title, label] = words(&long)[..] else { panic!("{elements:?}") };
+    assert!(number(title, "x") + number(title, "textLength") <= width);
+    // A label of the horizontal axis ends at its x.
+    assert!(number(label, "x") <= width && number(label, "x") - number(label, "textLength") >= 0.0);
+    // 24 letters need 200 px.
+    let strip = elements.iter().find(|own| own.0 == "rect").unwrap();
+    assert!(number(strip, "x") > 200.0 && number(words(&name)[0], "x") < number(strip, "x"));
+    assert_eq!(attribute(words(&name)[0], "textLength"), None);
+}
+
+/// Tests that long names of a dot plot take no more than half of its width.
+#[test]
+fn long_names_leave_room_for_the_dots() {
+    let long = "name ".repeat(20);
+    let style = Style::marked("#000000", Dash::Dotted, Mark::Circle);
+    let layer = Layer::new("here", style, Shape::Points(vec![Point { x: 0.0, y: 25.0, interval: None }]));
+    let axes = (Axis::names("", [long.as_str()]), Axis::spanning("accuracy / %", 0.0, 100.0));
+    let elements = elements(&chart(axes.0, axes.1, vec![layer]).dot_plot());
+    let name = elements.iter().find(|own| own.0 == "text" && own.2 == long).unwrap();
+    let number = |name_of: &str| attribute(name, name_of).unwrap().parse::<f64>().unwrap();
+    assert!(number("x") <= 270.0 && number("x") - number("textLength") >= 0.0);
+}

@@ -10,7 +10,7 @@ use underbrush_experiments::experiment::moments::{Moment, ReachMoments};
 use underbrush_recording::{Grid, Recording};
 use underbrush_render::{RenderError, Size};
 
-use crate::drawing::svg_head;
+use crate::drawing::{LETTER, squeezed, svg_head, svg_text};
 use crate::style::UNTOUCHED;
 use crate::{CategoryLooks, Look, Mark, Report, capitalized, escape, joined, replayed, slug};
 
@@ -117,6 +117,8 @@ fn mark_of(looks: &CategoryLooks, verdict: &str, pressed: bool) -> (&'static str
 
 const CELL_PX: f64 = 21.0;
 const LEFT: f64 = 30.0;
+/// Least width of the drawing, px: the legend has room for the longest name of a category, 24 letters.
+const NARROWEST: f64 = 264.0;
 /// Baseline of the legend's first row, and the height of a row.
 const LEGEND: f64 = 40.0;
 const LEGEND_ROW: f64 = 22.0;
@@ -130,7 +132,7 @@ pub fn skin_map(
     verdicts: &BTreeMap<usize, Verdict>,
     pressed: &BTreeSet<usize>,
 ) -> String {
-    let width = LEFT + grid.columns as f64 * CELL_PX + 6.0;
+    let width = (LEFT + grid.columns as f64 * CELL_PX + 6.0).max(NARROWEST);
     let (legend, rows) = legend(labels, looks, width);
     let top = LEGEND + rows as f64 * LEGEND_ROW - 6.0;
     let height = top + grid.rows as f64 * CELL_PX + 28.0;
@@ -155,11 +157,11 @@ pub fn skin_map(
             svg += &mark.svg(x + CELL_PX / 2.0, y + CELL_PX / 2.0, 8.0, colour);
         }
     }
-    let (patch, below, bottom) = (escape(patch), height - 8.0, top + grid.rows as f64 * CELL_PX);
+    let (around, bottom) = (format!("columns, around the {patch}"), top + grid.rows as f64 * CELL_PX);
+    let below = svg_text(LEFT, height - 8.0, &squeezed(&around, LETTER, width - LEFT), &around);
     let _ = writeln!(
         svg,
-        "<text x=\"{LEFT}\" y=\"{below:.1}\">columns, around the {patch}</text>\
-         <text transform=\"translate(20 {top}) rotate(-90)\" text-anchor=\"end\">hand</text>\
+        "{below}<text transform=\"translate(20 {top}) rotate(-90)\" text-anchor=\"end\">hand</text>\
          <text transform=\"translate(20 {bottom:.1}) rotate(-90)\">elbow</text>\n</svg>"
     );
     svg

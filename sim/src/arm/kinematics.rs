@@ -47,7 +47,7 @@ impl Arm {
         self.jacobian(link_poses, link, |axis, _| axis)
     }
 
-    /// Adds the torques Jᵀ f that a force and a moment on a link exert on the joints, Nm. `torque_nm` has one entry for each
+    /// Adds the torques Jᵀ f that a force and a moment on a link exert on the joints, N m. `torque_nm` has one entry for each
     /// joint; joints distal of the link get none.
     pub fn add_torque_nm(
         &self,

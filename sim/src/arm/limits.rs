@@ -7,10 +7,10 @@ pub(crate) use underbrush_recording::limits::SHARE;
 pub(crate) const FRICTION: Limits = Limits::new(0.0, 2.0, "");
 
 /// Stiffness of a joint: from a finger's tendon to a drive with stiff position control.
-pub(super) const STIFFNESS_NM_PER_RAD: Limits = Limits::new(1e-3, 1e5, "Nm/rad");
+pub(super) const STIFFNESS_NM_PER_RAD: Limits = Limits::new(1e-3, 1e5, "N m/rad");
 
 /// Damping of a joint: the critical damping of the stiffest joint with 10 kg m² attached is 2 √(K I) = 2000.
-pub(super) const DAMPING_NM_S_PER_RAD: Limits = Limits::new(0.0, 1e4, "Nm s/rad");
+pub(super) const DAMPING_NM_S_PER_RAD: Limits = Limits::new(0.0, 1e4, "N m s/rad");
 
 /// Reflected inertia of a drive: large industrial joints have a few tens of kg m².
 pub(super) const ARMATURE_KG_M2: Limits = Limits::new(0.0, 100.0, "kg m²");
@@ -22,7 +22,7 @@ pub(super) const ANGLE_RAD: Limits = Limits::new(-62.84, 62.84, "rad");
 pub(super) const ANGLE_DEG: Limits = Limits::new(-3600.0, 3600.0, "deg");
 
 /// Torque of a joint's drive: from a finger's to that of an excavator.
-pub(super) const TORQUE_NM: Limits = Limits::new(1e-3, 1e5, "Nm");
+pub(super) const TORQUE_NM: Limits = Limits::new(1e-3, 1e5, "N m");
 
 /// Speed of a joint: from one revolution in two hours to a fast servo's thousand revolutions per minute.
 pub(super) const SPEED_RAD_PER_S: Limits = Limits::new(1e-3, 100.0, "rad/s");

@@ -130,17 +130,17 @@ pub struct Joint {
     pub axis_child: DVec3,
     /// Mechanical limits of q, rad; infinite for a continuous joint.
     pub limits_rad: [f64; 2],
-    /// Largest torque of the actuator, Nm.
+    /// Largest torque of the actuator, N m.
     pub torque_limit_nm: f64,
     /// Largest rate of the equilibrium angle, rad/s.
     pub slew_limit_rad_per_s: f64,
-    /// Stiffness K of the simulated spring, Nm/rad.
+    /// Stiffness K of the simulated spring, N m/rad.
     pub stiffness_nm_per_rad: f64,
-    /// Damping D, Nm s/rad.
+    /// Damping D, N m s/rad.
     pub damping_nm_s_per_rad: f64,
     /// Reflected inertia of the drive, kg m².
     pub armature_kg_m2: f64,
-    /// Stiffness in the controller's model of the arm, Nm/rad.
+    /// Stiffness in the controller's model of the arm, N m/rad.
     pub model_stiffness_nm_per_rad: f64,
     /// Limits of q that the controller respects, rad.
     pub controller_limits_rad: [f64; 2],

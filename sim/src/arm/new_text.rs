@@ -11,7 +11,7 @@ use super::source::{quoted, significant};
 use super::start::Room;
 use super::urdf::{self, child};
 
-/// Stiffest joint, Nm/rad. Choice: the Panda in docs/arms.md has 40, Cody 50; an arm that pushes through foliage is soft.
+/// Stiffest joint, N m/rad. Choice: the Panda in docs/arms.md has 40, Cody 50; an arm that pushes through foliage is soft.
 const MAX_STIFFNESS_NM_PER_RAD: f64 = 40.0;
 /// The controller keeps this far from the limits of a joint, deg, but leaves half of a narrow range.
 const MARGIN_DEG: f64 = 5.0;
@@ -21,7 +21,7 @@ const TRUNKS_PER_M2: f64 = 23.0;
 pub(super) const RULES: &str = "\
 # Every joint is a spring and a damper about an equilibrium angle, which the controller moves. Rules for all joints:
 # - stiffness: the joint exerts its largest torque (URDF: effort) when the equilibrium angle is half its range away, at most
-#   90 deg; at most 40 Nm/rad, because an arm that pushes through foliage has to be soft. Cody has 3 to 50 Nm/rad.
+#   90 deg; at most 40 N m/rad, because an arm that pushes through foliage has to be soft. Cody has 3 to 50 N m/rad.
 # - damping: critical, 2 sqrt(K I), for the inertia I that the joint moves in the start posture.
 # - controller_limits_deg: the URDF's, less 5 deg at each end; a joint without limits gets one turn.
 # - the controller's model has the true stiffness.
@@ -53,7 +53,7 @@ pub(super) fn joint_table(joint: &Joint, [low, high]: &[f64; 2], start: f64, [st
     };
     let (torque, name, start) = (short(joint.torque_limit_nm), quoted(&joint.name), start + 0.0);
     format!(
-        "\n# {torque} Nm, {range}\n[[joint]]\nname = {name}\nstiffness_nm_per_rad = {stiffness:?}\ndamping_nm_s_per_rad = {damping:?}\n\
+        "\n# {torque} N m, {range}\n[[joint]]\nname = {name}\nstiffness_nm_per_rad = {stiffness:?}\ndamping_nm_s_per_rad = {damping:?}\n\
          model_stiffness_nm_per_rad = {stiffness:?}\ncontroller_limits_deg = [{low:?}, {high:?}]\nstart_deg = {start:?}\n"
     )
 }

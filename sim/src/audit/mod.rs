@@ -75,8 +75,8 @@ const REST_FRAMES: u32 = 10;
 /// Largest relative difference between springs and contacts at rest.
 const STATIC_RESIDUAL: f64 = 0.05;
 
-/// Contacts that exert less torque than this on the joints are too weak to compare with, Nm. It is the torque that the
-/// arm's strongest damper may exert while the arm counts as resting, divided by the allowed residual: 0.69 Nm for Cody.
+/// Contacts that exert less torque than this on the joints are too weak to compare with, N m. It is the torque that the
+/// arm's strongest damper may exert while the arm counts as resting, divided by the allowed residual: 0.69 N m for Cody.
 pub fn min_contact_torque_nm(arm: &Arm) -> f64 {
     let dampers = arm.joints.iter().map(|joint| joint.damping_nm_s_per_rad);
     REST_RATE_RAD_PER_S * dampers.fold(0.0, f64::max) / STATIC_RESIDUAL

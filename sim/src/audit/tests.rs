@@ -58,7 +58,7 @@ fn every_figure_has_its_bound() {
 }
 
 /// Tests that the bound of the moment and the smallest torque that is compared follow the arm. For Cody they are about
-/// 4 cm, the spacing of the flipper's sparsest taxels, and 0.7 Nm. A skin larger by a fifth raises the first by a
+/// 4 cm, the spacing of the flipper's sparsest taxels, and 0.7 N m. A skin larger by a fifth raises the first by a
 /// fifth, and dampers twice as strong double the second.
 #[test]
 fn bounds_follow_the_arm_and_its_skin() {

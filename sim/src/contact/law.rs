@@ -195,7 +195,7 @@ pub struct Stop {
     pub sign: f64,
     /// How far the joint is beyond the limit when the step begins, rad; negative inside.
     pub overlap_rad: f64,
-    /// Stiffness, Nm/rad.
+    /// Stiffness, N m/rad.
     pub stiffness_nm_per_rad: f64,
     /// Loss time, s.
     pub loss_time_s: f64,

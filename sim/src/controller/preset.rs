@@ -36,7 +36,7 @@ pub struct Preset {
     pub force_weight: f64,
     /// Weight of the position error, 1/m².
     pub position_weight: f64,
-    /// Weight of the change of the springs' torques, ‖K Δφ‖², 1/(Nm)².
+    /// Weight of the change of the springs' torques, ‖K Δφ‖², 1/(N m)².
     pub torque_change_weight: f64,
     /// Longest wanted displacement of the end effector in one step, m.
     #[serde(rename = "tip_step_m")] // The key in the provenance of data sets.

@@ -19,7 +19,7 @@ const MOST_TURN_RAD: f64 = 1.0;
 const MOST_GAIN_PER_S: f64 = 0.02;
 
 impl Coordinate {
-    /// Stiffness of the spring with its relaxing branch, and the force of both, N/m and N or Nm/rad and Nm.
+    /// Stiffness of the spring with its relaxing branch, and the force of both, N/m and N or N m/rad and N m.
     pub(super) fn spring(&self) -> (f64, f64) {
         let own = self.spring.stiffness * (self.spring.rest - self.position);
         match self.spring.maxwell {

@@ -39,7 +39,7 @@ mod tests;
 pub struct EndStop {
     /// Lower and upper limit, rad.
     pub limits_rad: [f64; 2],
-    /// Stiffness, Nm/rad.
+    /// Stiffness, N m/rad.
     pub stiffness_nm_per_rad: f64,
     /// Loss time, s.
     pub loss_time_s: f64,
@@ -152,7 +152,7 @@ pub struct Tree {
     pub coordinates: Vec<Coordinate>,
     /// Whether gravity acts on it.
     pub weighs: bool,
-    /// Generalized forces of the next step, N or Nm.
+    /// Generalized forces of the next step, N or N m.
     pushes: Vec<f64>,
     /// The inertia that each coordinate moves in the posture of the first step, kg or kg m².
     inertia: Vec<f64>,
@@ -263,7 +263,7 @@ impl Tree {
         link.pose_world.transform_point(link.center_of_mass_link)
     }
 
-    /// Adds a force (N) on a link at a point (m), and a moment (Nm), world frame, for the next step.
+    /// Adds a force (N) on a link at a point (m), and a moment (N m), world frame, for the next step.
     pub fn push(&mut self, link: usize, force_world: DVec3, point_world: DVec3, moment_world: DVec3) {
         let mut pushes = std::mem::take(&mut self.pushes);
         for (at, [linear, angular]) in self.motions(link, point_world) {

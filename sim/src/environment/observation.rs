@@ -26,7 +26,7 @@ impl Part {
 const ANGLE_RAD: f32 = 12.6;
 /// Joint velocities, rad/s: faster than any joint of an arm.
 const VELOCITY_RAD_PER_S: f32 = 100.0;
-/// Joint torques, Nm: more than any joint of such an arm has.
+/// Joint torques, N m: more than any joint of such an arm has.
 const TORQUE_NM: f32 = 1000.0;
 /// Places, m: far beyond an arm's reach.
 const PLACE_M: f32 = 10.0;

@@ -25,7 +25,7 @@ const POISSON_RATIO: f64 = 0.35;
 /// G J over E I of a blade that is one sheet.
 pub const SHEET_TORSION_OVER_BENDING: f64 = 2.0 / (1.0 + POISSON_RATIO);
 
-/// A yield moment that no contact reaches, Nm: the value of a scene file for a blade that always returns.
+/// A yield moment that no contact reaches, N m: the value of a scene file for a blade that always returns.
 pub const NEVER_YIELDS_NM: f64 = 1000.0;
 
 /// A pull that no contact reaches, N: the value of a scene file for roots that stay.
@@ -35,7 +35,7 @@ const FOAM_POISSON_RATIO: f64 = 0.3;
 /// Loss time of the foam round a root, s: that of foam rolls, whose loss factor is 0.4 at 10 Hz.
 const FOAM_LOSS_TIME_S: f64 = 0.4 / (2.0 * PI * 10.0);
 
-/// The yield moment that a scene file gives, Nm; `None` if it means never.
+/// The yield moment that a scene file gives, N m; `None` if it means never.
 pub fn yields(moment_nm: f64) -> Option<f64> {
     (moment_nm < NEVER_YIELDS_NM).then_some(moment_nm)
 }
@@ -55,7 +55,7 @@ pub struct Blade {
     pub mass_per_area_kg_per_m2: f64,
     /// Loss factor η of the material.
     pub loss_factor: f64,
-    /// The bending moment beyond which it folds and keeps a set, Nm; `None` for a blade that always returns.
+    /// The bending moment beyond which it folds and keeps a set, N m; `None` for a blade that always returns.
     pub yield_moment_nm: Option<f64>,
     /// Number of hinges.
     pub segments: u32,
@@ -66,9 +66,9 @@ pub struct Blade {
 pub struct Hinge {
     /// Distance from the base, m.
     pub place_m: f64,
-    /// Compliance against bending, rad/Nm.
+    /// Compliance against bending, rad/(N m).
     pub bend: f64,
-    /// Compliance against twist, rad/Nm.
+    /// Compliance against twist, rad/(N m).
     pub twist: f64,
 }
 
@@ -160,14 +160,14 @@ impl Blade {
     }
 }
 
-/// Rotational stiffness of a root of depth `depth_m` in foam of the given modulus, Nm/rad. A rigid peg in a Winkler
+/// Rotational stiffness of a root of depth `depth_m` in foam of the given modulus, N m/rad. A rigid peg in a Winkler
 /// foundation of modulus E per unit length that rotates about the surface resists with ∫ E x² dx = E d³ / 3 (Hetényi,
 /// *Beams on Elastic Foundation*, 1946).
 pub fn root_stiffness_nm_per_rad(foam_modulus_pa: f64, depth_m: f64) -> f64 {
     foam_modulus_pa * depth_m.powi(3) / 3.0
 }
 
-/// The hinges of what stands on a root of this rotational stiffness, Nm/rad: the lowest one together with the root, if that turns.
+/// The hinges of what stands on a root of this rotational stiffness, N m/rad: the lowest one together with the root, if that turns.
 pub fn on_root(mut hinges: Vec<Hinge>, stiffness_nm_per_rad: Option<f64>) -> Vec<Hinge> {
     if let (Some(lowest), Some(stiffness)) = (hinges.first_mut(), stiffness_nm_per_rad) {
         *lowest = lowest.joined(Hinge { place_m: 0.0, bend: 1.0 / stiffness, twist: 1.0 / stiffness });

@@ -65,7 +65,7 @@ const DAMPING_RATIO: f64 = 0.2;
 const SURFACE_LOSS_TIME_S: f64 = 0.4 / (2.0 * PI * 10.0);
 
 impl FoamRoll {
-    /// Instantaneous stiffness of the two base hinges, Nm/rad. With k = 3 E I / H, a force F at the tip deflects the
+    /// Instantaneous stiffness of the two base hinges, N m/rad. With k = 3 E I / H, a force F at the tip deflects the
     /// roll as it would a cantilever, by F H³ / (3 E I) (Gere & Goodno, *Mechanics of Materials*, table of beam
     /// deflections).
     pub fn lean_stiffness_nm_per_rad(&self) -> f64 {

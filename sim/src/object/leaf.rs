@@ -36,7 +36,7 @@ quantities! {
         /// Torsional over flexural rigidity, G J / (E I).
         torsion_over_bending: Draw::Fixed(SHEET_TORSION_OVER_BENDING), 0.01, 2.0;
         // Choice: the leaves return, as those of the paper do.
-        /// Bending moment beyond which the blade folds and keeps a set, Nm. 1000: never. A plastic leaf of 0.5–1 mm folds at
+        /// Bending moment beyond which the blade folds and keeps a set, N m. 1000: never. A plastic leaf of 0.5–1 mm folds at
         /// 0.15–1.
         yield_moment_nm: Draw::Fixed(NEVER_YIELDS_NM), 0.001, NEVER_YIELDS_NM;
         // Plastic sheet of 0.5–1.2 mm. Limits: from foil of 10 µm to 2 cm of wood.
@@ -126,9 +126,9 @@ pub struct Leaf {
     pub mass_per_area_kg_per_m2: f64,
     /// Loss factor η; the first mode's damping ratio is η/2.
     pub loss_factor: f64,
-    /// The bending moment beyond which the blade folds and keeps a set, Nm; `None` for a blade that always returns.
+    /// The bending moment beyond which the blade folds and keeps a set, N m; `None` for a blade that always returns.
     pub yield_moment_nm: Option<f64>,
-    /// Rotational stiffness of the root in the foam, Nm/rad; `None` for a clamped root.
+    /// Rotational stiffness of the root in the foam, N m/rad; `None` for a clamped root.
     pub root_stiffness_nm_per_rad: Option<f64>,
     /// What holds the root if it can be pulled out.
     pub grip: Option<Grip>,
@@ -190,7 +190,7 @@ impl Leaf {
         self.load_share() <= LARGEST_LOAD_SHARE
     }
 
-    /// Stiffness of the root against leaning sideways, along the blade's width, Nm/rad: stem and foam in series.
+    /// Stiffness of the root against leaning sideways, along the blade's width, N m/rad: stem and foam in series.
     pub fn sideways_stiffness_nm_per_rad(&self) -> f64 {
         let stem = STEM_RIGIDITY_OVER_BLADE * self.flexural_rigidity_n_m2 / (STEM_SHARE_OF_HEIGHT * self.height_m);
         self.root_stiffness_nm_per_rad.map_or(stem, |root| stem * root / (stem + root))

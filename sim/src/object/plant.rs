@@ -53,7 +53,7 @@ quantities! {
         /// Loss factor of the material.
         loss_factor: Draw::Uniform(0.1, 0.2), 0.0, 2.0;
         // Plastic leaves of 0.5–1 mm fold at these moments.
-        /// Bending moment beyond which a blade folds and keeps a set, Nm. 1000: never.
+        /// Bending moment beyond which a blade folds and keeps a set, N m. 1000: never.
         yield_moment_nm: Draw::Uniform(0.15, 1.0), 0.001, 1000.0;
         // Choice: with three, a blade's first frequency is within 0.05 % of the beam's.
         /// Number of hinges of a blade; the nearest whole number of what is drawn.
@@ -66,7 +66,7 @@ quantities! {
 pub struct Plant {
     /// What was drawn.
     drawn: DrawnPlant,
-    /// Rotational stiffness of the root in the foam, Nm/rad; `None` for a clamped root.
+    /// Rotational stiffness of the root in the foam, N m/rad; `None` for a clamped root.
     root_stiffness_nm_per_rad: Option<f64>,
     /// What holds the root if it can be pulled out.
     grip: Option<Grip>,
@@ -200,7 +200,7 @@ impl Plant {
         self.load_shares().into_iter().all(|share| share <= LARGEST_LOAD_SHARE)
     }
 
-    /// Heights over the foam, m, and compliances, rad/Nm, of the stem's hinges, the lowest one together with the root.
+    /// Heights over the foam, m, and compliances, rad/(N m), of the stem's hinges, the lowest one together with the root.
     fn stem_hinges(&self) -> Vec<Hinge> {
         let height = self.drawn.height_m;
         let of_node = |(node, weight): (f64, f64)| {

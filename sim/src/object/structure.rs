@@ -186,9 +186,9 @@ impl Axis {
 /// Spring and damper on one degree of freedom.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spring {
-    /// Stiffness that never relaxes: Nm/rad of a rotation, N/m of a translation.
+    /// Stiffness that never relaxes: N m/rad of a rotation, N/m of a translation.
     pub stiffness: f64,
-    /// Viscous damping: Nm s/rad or N s/m.
+    /// Viscous damping: N m s/rad or N s/m.
     pub damping: f64,
     /// Inertia added on the degree of freedom itself, kg m² or kg. It keeps stacks of massless hinges well conditioned.
     pub armature: f64,
@@ -196,7 +196,7 @@ pub struct Spring {
     pub maxwell: Option<Maxwell>,
     /// The displacement at which it is not loaded, rad or m. It moves when the spring yields.
     pub rest: f64,
-    /// The moment, Nm, or force, N, at which it yields. `None` for one that never does.
+    /// The moment, N m, or force, N, at which it yields. `None` for one that never does.
     pub yield_moment: Option<f64>,
 }
 

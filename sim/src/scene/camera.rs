@@ -43,9 +43,8 @@ fn default_up() -> DVec3 {
     DVec3::Z
 }
 
-/// The vertical angle of common webcams and depth cameras is 40 to 45 degrees.
 fn default_field_deg() -> f64 {
-    40.0
+    SceneCamera::DEFAULT_FOV_DEG
 }
 
 /// The size that small policies are trained on.
@@ -54,6 +53,10 @@ fn default_size_px() -> [usize; 2] {
 }
 
 impl SceneCamera {
+    /// The vertical angle of a camera for which no other is given, degrees. That of common webcams and depth cameras is 40 to 45
+    /// degrees.
+    pub const DEFAULT_FOV_DEG: f64 = 40.0;
+
     /// What is wrong with its numbers or its name: key, what was found, and what is allowed.
     pub fn fault(&self) -> Option<OptionFault> {
         let is_letter = |letter: char| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-';

@@ -26,7 +26,7 @@ pub struct StepContact {
     /// This contact's share of the mean force on the link over the frame, N, world frame: the impulse of normal force
     /// and friction in this step, divided by the 10 ms of the frame.
     pub force_world: DVec3,
-    /// This contact's share of the mean moment on the link over the frame, about the position, Nm, world frame: the
+    /// This contact's share of the mean moment on the link over the frame, about the position, N m, world frame: the
     /// friction of a patch that rotates about its normal.
     pub moment_world: DVec3,
     /// Largest overlap of the two undeformed shapes along the normal at the end of the step, m: how far both together
@@ -128,7 +128,7 @@ pub struct JointState {
     pub velocity_rad_per_s: f64,
     /// Rest angle of its spring, rad: the equilibrium angle φ, kept within the torque limit.
     pub rest_angle_rad: f64,
-    /// Torque K (φ − q) − D q̇ of spring and damper, Nm.
+    /// Torque K (φ − q) − D q̇ of spring and damper, N m.
     pub torque_nm: f64,
 }
 
@@ -178,12 +178,12 @@ impl FrameReport {
         self.joints.iter().map(|joint| joint.velocity_rad_per_s).collect()
     }
 
-    /// Joint torques K (φ − q) − D q̇, Nm.
+    /// Joint torques K (φ − q) − D q̇, N m.
     pub fn joint_torque_nm(&self) -> Vec<f64> {
         self.joints.iter().map(|joint| joint.torque_nm).collect()
     }
 
-    /// Mean torques over the frame that contacts exert on the joints of `arm`, Σ Jᵀ f, Nm.
+    /// Mean torques over the frame that contacts exert on the joints of `arm`, Σ Jᵀ f, N m.
     pub fn contact_torque_nm(&self, arm: &Arm) -> Vec<f64> {
         let mut torque_nm = vec![0.0; arm.joints.len()];
         for contact in &self.contacts {

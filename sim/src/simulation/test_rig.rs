@@ -147,7 +147,7 @@ impl Rig {
     }
 
     /// Makes one engine step in which a second spring, parallel to the joint's own and `ratio` times as stiff, pulls
-    /// the joint that carries `body` towards `goal` (m or rad). Returns the force of that spring in the step, N or Nm;
+    /// the joint that carries `body` towards `goal` (m or rad). Returns the force of that spring in the step, N or N m;
     /// `None` if no joint carries the body.
     pub fn step_driven(&mut self, body: BodyId, axis: Axis, ratio: f64, goal: f64) -> Option<f64> {
         let (slot, at) = self.find(body, axis)?;
@@ -197,7 +197,7 @@ impl Rig {
         self.engine.scene.tree(slot).links()[link].mass_kg
     }
 
-    /// Adds an external force on a body, N, acting at a point (m, world frame), and an external moment, Nm, for the next
+    /// Adds an external force on a body, N, acting at a point (m, world frame), and an external moment, N m, for the next
     /// step.
     pub fn push(&mut self, body: BodyId, force_world: DVec3, point_world: DVec3, moment_world: DVec3) {
         let PlacedLink { slot, link } = self.bodies[body.0];

@@ -24,7 +24,7 @@ pub struct Oscillator {
 }
 
 impl Oscillator {
-    /// The oscillator of an inertia (kg m² or kg), a stiffness (Nm/rad or N/m) and a damping (Nm s/rad or N s/m).
+    /// The oscillator of an inertia (kg m² or kg), a stiffness (N m/rad or N/m) and a damping (N m s/rad or N s/m).
     pub fn new(inertia: f64, stiffness: f64, damping: f64) -> Self {
         Oscillator {
             frequency_rad_per_s: (stiffness / inertia).sqrt(),

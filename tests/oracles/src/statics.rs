@@ -28,7 +28,7 @@ pub fn in_series(stiffness_n_per_m: &[f64]) -> f64 {
     1.0 / stiffness_n_per_m.iter().map(|stiffness| 1.0 / stiffness).sum::<f64>()
 }
 
-/// The largest moment about its foot, Nm, that an upright cylinder of weight W on a Winkler foundation of modulus k
+/// The largest moment about its foot, N m, that an upright cylinder of weight W on a Winkler foundation of modulus k
 /// withstands before it tips over; a horizontal force at height h tips it with this moment over h.
 ///
 /// On rigid ground the moment is W r. Here the cylinder stands on a segment of its base, of width w, once it is tilted

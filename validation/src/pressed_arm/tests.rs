@@ -52,7 +52,7 @@ fn springs_balance_contact_forces() {
         assert!(contact.norm() > 0.1 * force, "no contact: {contact}");
         let residual = (&spring + &contact).norm() / spring.norm();
         assert!(residual < 1e-3, "relative residual {residual} at {force} N: {spring} {contact}");
-        // The weaker push loads the joints with 0.3 Nm: too little for the audit to count.
+        // The weaker push loads the joints with 0.3 N m: too little for the audit to count.
         assert!((audit.rest_frames > 0) == (force > 5.0) && audit.largest_static_residual < 0.05, "{audit:?}");
         assert!(
             report.tactile.force_residual < 1e-9,

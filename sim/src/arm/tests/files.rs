@@ -59,7 +59,7 @@ fn bad_values_are_refused_with_their_place() {
         ("cody.urdf", "ixx=\"0.003056\"", "ixx=\"nan\"", "link shoulder, inertial.inertia", "NaN"),
         ("cody.urdf", "<axis xyz=\"0 -1 0\"/>", "<axis xyz=\"0 0 0\"/>", "joint shoulder_flexion, axis", "not all zero"),
         ("cody.urdf", "lower=\"-0.8310\"", "lower=\"3\"", "joint shoulder_flexion, limit", "lower below upper"),
-        ("cody.urdf", "effort=\"40\"", "effort=\"0\"", "joint shoulder_flexion, limit.effort", "0.001 to 100000 Nm"),
+        ("cody.urdf", "effort=\"40\"", "effort=\"0\"", "joint shoulder_flexion, limit.effort", "0.001 to 100000 N m"),
         ("cody.urdf", "velocity=\"0.87266\"", "velocity=\"nan\"", "joint shoulder_flexion, limit.velocity", "NaN"),
         ("cody.urdf", "xyz=\"0 -0.18493 0\"", "xyz=\"0 inf 0\"", "joint shoulder_abduction, origin", "inf"),
         ("cody.urdf", "xyz=\"0 -0.18493 0\"", "xyz=\"0 one 0 0\"", "joint shoulder_abduction, origin.xyz", "3 numbers"),

@@ -12,7 +12,7 @@ use super::arm_shapes::ArmShapes;
 use super::map::Touch;
 use crate::{Arm, ControllerInput};
 
-/// Torques below this are friction and what is not known of the acceleration, Nm: 3 N at a third of a metre.
+/// Torques below this are friction and what is not known of the acceleration, N m: 3 N at a third of a metre.
 const LEAST_NM: f64 = 1.0;
 /// A force explains the torques if what is left of them is below this share.
 const UNEXPLAINED: f64 = 0.4;

@@ -90,7 +90,7 @@ fn torque_stays_within_the_actuator_limit() {
         for (torque, joint) in
             joints(&bodies, &engine).iter().map(|joint| joint.torque_nm).collect::<Vec<f64>>().iter().zip(&arm.joints)
         {
-            assert!((torque - sign * joint.torque_limit_nm).abs() < 1e-9, "{}: {torque} Nm", joint.name);
+            assert!((torque - sign * joint.torque_limit_nm).abs() < 1e-9, "{}: {torque} N m", joint.name);
         }
         for _ in 0..400 {
             bodies.set_equilibrium(&arm, &far, &mut engine);
