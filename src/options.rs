@@ -12,8 +12,10 @@ use serde::Serialize;
 use serde::de::value::Error as Unread;
 use serde::de::{DeserializeOwned, IntoDeserializer};
 use serde_json::{Value, json};
+use underbrush_classifier::ValueFault;
 use underbrush_classifier::touch::TouchOptions;
 use underbrush_classifier::trial::{Labels, TrialOptions, Unit};
+use underbrush_recording::Limits;
 
 use crate::Failure;
 
@@ -43,6 +45,29 @@ pub fn number<T: FromStr + 'static>(
     allowed: &'static str,
 ) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static {
     move |text| text.parse().ok().filter(is_allowed).ok_or_else(|| allowed.to_owned())
+}
+
+/// Reads a number within limits of a library.
+pub fn within(limits: Limits) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    move |text: &str| {
+        let number = text.parse().ok().filter(|number| limits.hold(*number));
+        number.ok_or_else(|| format!("must be a number: {limits}"))
+    }
+}
+
+/// Reads a whole number within limits of a library.
+pub fn whole_within(limits: Limits) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync + 'static {
+    whole(limits.min as u32..=limits.max as u32)
+}
+
+/// Reads a number that a library checks. What is no number is refused as NaN is.
+pub fn checked(
+    check: fn(f64) -> Result<(), ValueFault>,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    move |text: &str| {
+        let number = text.parse().unwrap_or(f64::NAN);
+        check(number).map(|()| number).map_err(|fault| format!("must be {}", fault.allowed))
+    }
 }
 
 /// Two values with a sign between them, such as leaf=0.7; `None` if a text is anything else. A name is not empty.
@@ -89,7 +114,7 @@ pub struct TrialArguments {
     #[arg(long, value_name = "NAME")]
     pub patch: Option<String>,
     /// A taxel is in contact while it senses more than this, N [default: 0.03]
-    #[arg(long, value_name = "N", value_parser = number(|_: &f64| true, "must be a force in N, 0 or more"))]
+    #[arg(long, value_name = "N", value_parser = number(|_: &f64| true, "must be a force in N"))]
     threshold_n: Option<f64>,
     /// Leave out trials with fewer samples [default: 1]
     #[arg(long, value_name = "N", value_parser = number(|_: &usize| true, "must be a whole number, 0 or more"))]

@@ -13,16 +13,16 @@ use crate::hmm::{InitialDistribution, ScoreKind, Topology, TrainingOptions};
 pub const STATES: Limits = Limits::new(1.0, 1000.0, "states");
 
 /// Samples of a trial that are used: up to 16 weeks at 100 Hz.
-const SAMPLES: Limits = Limits::new(1.0, 1e9, "samples");
+pub const SAMPLES: Limits = Limits::new(1.0, 1e9, "samples");
 
 /// Iterations of Baum-Welch, which usually converges within hundreds.
 pub const ITERATIONS: Limits = Limits::new(0.0, 1e6, "iterations");
 
 /// Relative gain at which training ends. With 1 it ends after the first iteration.
-const TOLERANCE: Limits = Limits::new(0.0, 1.0, "");
+pub const TOLERANCE: Limits = Limits::new(0.0, 1.0, "");
 
 /// Floor of variances: at least the smallest variance that a model file may hold, or 0 for no floor.
-const VARIANCE_FLOOR: Limits = Limits::new(1e-30, 1e12, "").or_off_at(0.0);
+pub const VARIANCE_FLOOR: Limits = Limits::new(1e-30, 1e12, "").or_off_at(0.0);
 
 /// Whether the models use features as measured or z-scored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]

@@ -148,7 +148,8 @@ impl Campaign {
             fault("controller", provenance.controller.clone(), &allowed)
         })?;
         if let Some(Shard { index, count }) = provenance.shard.filter(|part| part.index >= part.count) {
-            return Err(fault("shard.index", index.to_string(), &format!("a number below {count}, that of the parts")));
+            let found = format!("index {index}, count {count}");
+            return Err(fault("shard", found, "an index below the count, the number of all parts"));
         }
         check_model(dataset, verdicts.as_ref())?;
         let mut campaign = Campaign {

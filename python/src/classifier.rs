@@ -11,7 +11,7 @@ use underbrush_classifier::{Decision, FORMAT, Model, OnlineClassifier, OnlineOpt
 use underbrush_recording::InputError;
 
 use crate::online::Online;
-use crate::{Answer, Failure, Skin, Trials, array, given, json, place, watched};
+use crate::{Answer, Failure, Skin, Trials, argument, array, given, json, place, watched};
 
 /// A fitted classifier of trials, as a model file holds it.
 #[pyclass(frozen, name = "Model", module = "underbrush._core")]
@@ -124,7 +124,13 @@ impl PyModel {
     }
 
     /// Scores after the first k samples of a trial, for ascending k from 1: (len(counts), categories).
-    fn scores_after<'py>(&self, py: Python<'py>, trials: &Trials, trial: isize, counts: Vec<usize>) -> Answer<'py> {
+    fn scores_after<'py>(
+        &self,
+        py: Python<'py>,
+        trials: &Trials,
+        trial: isize,
+        #[pyo3(from_py_with = argument::counts)] counts: Vec<usize>,
+    ) -> Answer<'py> {
         let own = &trials.list[place(trial, trials.list.len())?];
         if !counts.is_sorted() || counts.first() == Some(&0) {
             return Err(Failure::argument("counts", format!("{counts:?}"), "ascending numbers from 1", "sort them"));
@@ -153,7 +159,7 @@ impl PyModel {
         &self,
         skin: &Skin,
         patch: Option<String>,
-        threshold_n: Option<f64>,
+        #[pyo3(from_py_with = argument::threshold_n)] threshold_n: Option<f64>,
         decision: Option<&Bound<'_, PyAny>>,
     ) -> Result<Online, Failure> {
         let options = OnlineOptions::new(patch, threshold_n, self.deciding(decision)?);

@@ -101,7 +101,7 @@ impl PyDataset {
 
     /// A column of the frames of all reaches as one array, read only: (frames,) or (frames, width).
     #[pyo3(signature = (name, dtype = None))]
-    fn column<'py>(&self, py: Python<'py>, name: &str, dtype: Option<&str>) -> Answer<'py> {
+    fn column<'py>(&self, py: Python<'py>, name: &str, dtype: Option<&Bound<'py, PyAny>>) -> Answer<'py> {
         let single = dtype.map(Column::is_single).transpose()?;
         let reaches: Vec<usize> = (0..self.__len__()).collect();
         let read = |_: &_| Column::of_reaches(&self.dataset, &reaches, name, single);

@@ -8,7 +8,7 @@ use underbrush_sim::environment::{EnvironmentOptions, Environments, Part, Steppe
 use underbrush_sim::{ControllerKind, ReachPlan};
 
 use crate::pool::{self, Helpers};
-use crate::{Failure, PyCamera, array, given, locked, picture, scene};
+use crate::{Failure, PyCamera, argument, array, given, locked, picture, scene};
 
 /// Several environments that are stepped together.
 #[pyclass(frozen, name = "Environments", module = "underbrush._core")]
@@ -69,10 +69,10 @@ impl PyEnvironments {
                              jobs=None)")]
     fn new(
         scene: &Bound<'_, PyAny>,
-        count: usize,
-        seed: u64,
+        #[pyo3(from_py_with = argument::num_envs)] count: usize,
+        #[pyo3(from_py_with = argument::seed)] seed: u64,
         controller: Option<&str>,
-        jobs: Option<usize>,
+        #[pyo3(from_py_with = argument::jobs)] jobs: Option<usize>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> Result<Self, Failure> {
         let options: EnvironmentOptions = given::options(options)?;
@@ -104,8 +104,8 @@ impl PyEnvironments {
         &self,
         py: Python<'py>,
         index: usize,
-        width: usize,
-        height: usize,
+        #[pyo3(from_py_with = argument::width)] width: usize,
+        #[pyo3(from_py_with = argument::height)] height: usize,
         camera: Option<&PyCamera>,
     ) -> Result<Option<Bound<'py, PyAny>>, Failure> {
         let state = self.lock()?;
@@ -119,7 +119,7 @@ impl PyEnvironments {
     fn reset<'py>(
         &self,
         py: Python<'py>,
-        seeds: Option<Vec<Option<u64>>>,
+        #[pyo3(from_py_with = argument::seeds)] seeds: Option<Vec<Option<u64>>>,
         mask: Option<Vec<bool>>,
     ) -> Result<Answer<'py>, Failure> {
         let seeds = seeds.unwrap_or_else(|| vec![None; self.count]);

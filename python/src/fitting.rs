@@ -13,11 +13,13 @@ use underbrush_classifier::evaluate::{
 use underbrush_classifier::fit_options::FitOptions;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
 use underbrush_classifier::trial::Unit;
-use underbrush_classifier::{ClassifierKind, DataKind, DataSource, Estimator, HmmClassifier, Model, Recipe, Scores};
+use underbrush_classifier::{
+    ClassifierKind, DataKind, DataSource, Estimator, HmmClassifier, Model, Recipe, Scores, ValueFault,
+};
 use underbrush_experiments::model_data;
 
 use crate::python_classifier::{PythonClassifier, PythonEstimator};
-use crate::{Answer, Failure, PyModel, Stop, Trials, given, json, watched};
+use crate::{Answer, Failure, PyModel, Stop, Trials, argument, given, json, watched};
 
 /// Options of a classifier.
 #[pyclass(frozen, module = "underbrush._core")]
@@ -84,11 +86,16 @@ pub fn fit(
     trials: &Trials,
     options: &Options,
     start: Option<&PyModel>,
-    false_positive_rate: Option<f64>,
-    outlier_prior: Option<f64>,
-    jobs: Option<usize>,
+    #[pyo3(from_py_with = argument::false_positive_rate)] false_positive_rate: Option<f64>,
+    #[pyo3(from_py_with = argument::outlier_prior)] outlier_prior: Option<f64>,
+    #[pyo3(from_py_with = argument::jobs)] jobs: Option<usize>,
 ) -> Result<PyModel, Failure> {
     let outlier_prior = outlier_prior.unwrap_or(ThresholdTargets::OUTLIER_PRIOR);
+    if let Some(rate) = false_positive_rate {
+        let named = |name: &str, fault: ValueFault| Failure::argument(name, fault.found, fault.allowed, "change it");
+        ThresholdTargets::check_rate(rate).map_err(|fault| named("false_positive_rate", fault))?;
+        ThresholdTargets::check_prior(outlier_prior).map_err(|fault| named("outlier_prior", fault))?;
+    }
     let training = options.recipe.as_ref().map(|recipe| recipe.training);
     let fitted = || -> Result<_, Failure> {
         let Some(start) = start else { return Ok(Model::new(options.estimator()?.fit(&trials.all())?)) };
@@ -150,12 +157,12 @@ pub fn evaluate_trials<'py>(
     py: Python<'py>,
     trials: &Trials,
     classifier: &Bound<'py, PyAny>,
-    folds: Option<usize>,
+    #[pyo3(from_py_with = argument::folds)] folds: Option<usize>,
     group: Option<&str>,
     train: Option<&Trials>,
     decision: Option<&Bound<'py, PyAny>>,
     by_samples: bool,
-    jobs: Option<usize>,
+    #[pyo3(from_py_with = argument::jobs)] jobs: Option<usize>,
 ) -> Answer<'py> {
     let list = &trials.list;
     let of_folds = [("folds", folds.is_some()), ("group", group.is_some()), ("by_samples", by_samples)];

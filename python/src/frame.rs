@@ -8,7 +8,7 @@ use pyo3::types::PyDict;
 use underbrush_recording::limits::{POSITION_M, SENSED_FORCE_N, TIME_S};
 use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading, short, unit_quaternion};
 
-use crate::{Answer, Failure, Skin, array, json, patch_index};
+use crate::{Answer, Failure, Skin, argument, array, json, patch_index};
 
 /// One sample of arm and skin at 100 Hz, with its ground truth.
 #[pyclass(frozen, name = "Frame", module = "underbrush._core")]
@@ -50,7 +50,7 @@ impl PyFrame {
     #[pyo3(signature = (skin, time_s, sensed_force_n, patch_poses = None))]
     fn new(
         skin: &Skin,
-        time_s: f64,
+        #[pyo3(from_py_with = argument::time_s)] time_s: f64,
         sensed_force_n: &Bound<'_, PyDict>,
         patch_poses: Option<&Bound<'_, PyDict>>,
     ) -> Result<Self, Failure> {

@@ -10,7 +10,7 @@ use underbrush_recording::disk::{Dataset, DiskError, Shard, Shards, check_not_in
 use underbrush_recording::stop;
 
 use crate::dataset::lasting;
-use crate::{Failure, PyDataset, Reported, Stop, controller, scene, show_warning, watched};
+use crate::{Failure, PyDataset, Reported, Stop, argument, controller, scene, show_warning, watched};
 
 /// Simulate many reaches and write them as a data set; if it is ``shared``, one part of them into a folder that all parts share.
 /// Then there is a set if no other part is at work and all reaches are there.
@@ -20,17 +20,17 @@ use crate::{Failure, PyDataset, Reported, Stop, controller, scene, show_warning,
 pub fn generate(
     py: Python<'_>,
     scenes: Vec<Bound<'_, PyAny>>,
-    reaches: u64,
+    #[pyo3(from_py_with = argument::reaches)] reaches: u64,
     out: PathBuf,
-    seed: u64,
+    #[pyo3(from_py_with = argument::seed)] seed: u64,
     controller: Option<&Bound<'_, PyAny>>,
     verdicts: Option<PathBuf>,
     resume: bool,
     force: bool,
-    shard: Option<(u64, u64)>,
+    shard: Option<&Bound<'_, PyAny>>,
     shared: bool,
     progress: Option<Py<PyAny>>,
-    jobs: Option<usize>,
+    #[pyo3(from_py_with = argument::jobs)] jobs: Option<usize>,
 ) -> Result<Option<PyDataset>, Failure> {
     let stop = Arc::new(Stop::default());
     let scenes = scenes.iter().map(scene).collect::<Result<Vec<_>, _>>()?;
@@ -58,7 +58,7 @@ pub fn generate_again(
     resume: bool,
     force: bool,
     progress: Option<Py<PyAny>>,
-    jobs: Option<usize>,
+    #[pyo3(from_py_with = argument::jobs)] jobs: Option<usize>,
 ) -> Result<PyDataset, Failure> {
     let verdicts = verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten();
     let source = Dataset::open(&dataset)?;
@@ -81,11 +81,14 @@ fn check_room(out: &Path, inputs: &[PathBuf], resume: bool, force: bool) -> Resu
 ///
 /// # Errors
 /// `Fault::Input` if there is no such part.
-pub fn part((number, count): (u64, u64)) -> Result<Shard, Failure> {
-    if (1..=count).contains(&number) {
-        return Ok(Shard { index: number - 1, count });
+pub fn part(shard: &Bound<'_, PyAny>) -> Result<Shard, Failure> {
+    match shard.extract::<(u64, u64)>() {
+        Ok((number, count)) if (1..=count).contains(&number) => Ok(Shard { index: number - 1, count }),
+        _ => {
+            let allowed = "(I, N) with 1 <= I <= N";
+            Err(Failure::argument("shard", shard.to_string(), allowed, "count shards from 1"))
+        }
     }
-    Err(Failure::argument("shard", format!("({number}, {count})"), "(I, N) with 1 <= I <= N", "count shards from 1"))
 }
 
 /// Runs a campaign and writes its set.
@@ -137,7 +140,7 @@ fn audited(written: Written) -> PyDataset {
 #[pyo3(signature = (parts, out, *, resume = false, force = false))]
 pub fn merge(
     py: Python<'_>,
-    parts: Vec<PathBuf>,
+    #[pyo3(from_py_with = argument::parts)] parts: Vec<PathBuf>,
     out: PathBuf,
     resume: bool,
     force: bool,

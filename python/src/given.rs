@@ -6,7 +6,7 @@ use std::path::Path;
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyInt};
 use serde::de::value::{MapAccessDeserializer, SeqDeserializer};
 use serde::de::{
     DeserializeOwned, DeserializeSeed, Deserializer, Error, Expected, IntoDeserializer, MapAccess, Unexpected, Visitor,
@@ -17,6 +17,7 @@ use underbrush_classifier::{Decision, FeatureSet, Rule, Scores};
 use underbrush_recording::disk::{check_free, write_file};
 
 use crate::Failure;
+use crate::argument::Argument;
 
 /// Features from a list of names, or from one text in which commas or plus signs separate the names.
 ///
@@ -58,9 +59,9 @@ pub fn decision(value: Option<&Bound<'_, PyAny>>, scores: &Scores<'_>) -> Result
         Ok("argmax") => Rule::Argmax,
         Ok("paper") => scores.paper()?,
         _ => {
-            if let Ok(margin) = value.extract() {
+            if let Ok(margin) = f64::of("decision", value) {
                 Rule::UncertainBelow { margin }
-            } else if let Ok((uncertain_below, category_above)) = value.extract() {
+            } else if let Some(&[uncertain_below, category_above]) = Vec::<f64>::of("decision", value).ok().as_deref() {
                 Rule::OutlierBand { uncertain_below, category_above }
             } else {
                 let allowed = "\"argmax\", \"paper\", a margin in nats, or a pair (uncertain below, category above)";
@@ -80,7 +81,7 @@ pub fn save(path: &Path, force: bool, text: &str) -> Result<(), Failure> {
 /// Options from the arguments of a call by name. `None` stands for the default.
 ///
 /// # Errors
-/// A `TypeError` for an unknown name or a value of the wrong type, `Fault::Input` for a value that is not allowed.
+/// A `TypeError` for an unknown name or an object that no option can be, `Fault::Input` for a value that is not allowed.
 pub fn options<T: DeserializeOwned>(arguments: Option<&Bound<'_, PyDict>>) -> Result<T, Failure> {
     let given: Vec<_> = arguments.into_iter().flatten().filter(|(_, value)| !value.is_none()).collect();
     T::deserialize(MapAccessDeserializer::new(Entries::new(given, 0))).map_err(Failure::from)
@@ -102,7 +103,7 @@ pub fn dictionary<T: DeserializeOwned>(dict: &Bound<'_, PyDict>) -> Result<T, Re
 /// Why an object is refused.
 #[derive(Debug)]
 pub enum Refused {
-    /// It has another type than is needed.
+    /// No option can be it.
     Type(String),
     /// The value of the entry with this name is not allowed. If the name is empty, there is no such entry.
     Value { entry: String, found: String, allowed: String },
@@ -141,10 +142,16 @@ impl Error for Refused {
         Refused::Type(text.to_string())
     }
 
+    fn invalid_type(found: Unexpected<'_>, allowed: &dyn Expected) -> Self {
+        Refused::invalid_value(found, allowed)
+    }
+
     fn invalid_value(found: Unexpected<'_>, allowed: &dyn Expected) -> Self {
-        // serde names Rust's types of numbers.
+        // serde names Rust's types.
         match allowed.to_string().as_str() {
             "usize" | "u64" | "u32" => Refused::value(found, "a whole number from 0"),
+            "f64" => Refused::value(found, "a number"),
+            allowed if allowed.starts_with("struct ") => Refused::value(found, "a dictionary"),
             allowed => Refused::value(found, allowed),
         }
     }
@@ -208,6 +215,9 @@ impl<'de> Deserializer<'de> for Given<'_> {
             visitor.visit_i64(number)
         } else if let Ok(number) = object.extract() {
             visitor.visit_u64(number)
+        } else if object.is_instance_of::<PyInt>() {
+            // Python would round it to a floating-point number.
+            Err(Refused::value(object, "a whole number of at most 64 bits"))
         } else if let Ok(number) = object.extract() {
             visitor.visit_f64(number)
         } else if let Ok(items) = object.extract::<Vec<Bound<'_, PyAny>>>() {
@@ -225,11 +235,10 @@ impl<'de> Deserializer<'de> for Given<'_> {
     fn deserialize_enum<V: Visitor<'de>>(
         self,
         _: &'static str,
-        _: &'static [&'static str],
+        names: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Refused> {
-        let refused = |_| Refused::Type(format!("found {}, not a name", self.object));
-        let name: String = self.object.extract().map_err(refused)?;
+        let name: String = self.object.extract().map_err(|_| Refused::value(&self.object, names.join(", ")))?;
         visitor.visit_enum(name.into_deserializer())
     }
 

@@ -3,6 +3,7 @@
 #![cfg(feature = "extension")]
 #![allow(clippy::too_many_arguments, reason = "options by name")]
 
+mod argument;
 mod arm;
 mod array;
 mod classifier;

@@ -9,7 +9,7 @@ use underbrush_classifier::{OnlineClassifier, OnlineOptions, Scores};
 use underbrush_recording::SkinLayout;
 
 use crate::python_classifier::PythonClassifier;
-use crate::{Failure, PyFrame, Skin, Stop, given, json, locked};
+use crate::{Failure, PyFrame, Skin, Stop, argument, given, json, locked};
 
 /// Gives a verdict on each taxel in contact, in every frame.
 #[pyclass(frozen, module = "underbrush._core")]
@@ -123,7 +123,7 @@ pub fn online(
     classifier: &Bound<'_, PyAny>,
     skin: &Skin,
     patch: Option<String>,
-    threshold_n: Option<f64>,
+    #[pyo3(from_py_with = argument::threshold_n)] threshold_n: Option<f64>,
     decision: Option<&Bound<'_, PyAny>>,
 ) -> Result<Online, Failure> {
     let own = PythonClassifier::of(classifier, &Arc::new(Stop::default()))?;

@@ -17,7 +17,7 @@ use underbrush_report::replayed::{self, MAX_PAGE_BYTES, known};
 use underbrush_sim::scene::SceneCamera;
 use underbrush_sim::simulation::Simulation;
 
-use crate::{Failure, array, json, watched};
+use crate::{Failure, argument, array, json, watched};
 
 /// Size of the pictures that notebooks show.
 const SHOWN: Size = Size { width: 800, height: 450 };
@@ -38,7 +38,7 @@ impl PyCamera {
         eye_m: [f64; 3],
         target_m: [f64; 3],
         up: [f64; 3],
-        vertical_fov_deg: f64,
+        #[pyo3(from_py_with = argument::vertical_fov_deg)] vertical_fov_deg: f64,
         link: Option<String>,
         size_px: [usize; 2],
     ) -> Self {
@@ -184,16 +184,18 @@ fn each<T: Send + Clone>(
 pub fn replay_page(
     py: Python<'_>,
     paths: Vec<PathBuf>,
-    reaches: Option<Vec<usize>>,
+    #[pyo3(from_py_with = argument::reaches)] reaches: Option<Vec<usize>>,
     model: Option<PathBuf>,
     patch: Option<String>,
     limit_n: Option<f64>,
 ) -> Result<String, Failure> {
+    if reaches.as_ref().is_some_and(Vec::is_empty) {
+        return Err(Failure::argument("reaches", "none", "numbers of reaches", "leave it out for all of them"));
+    }
     watched(py, None, &Arc::default(), None, |_| {
         let judging = model.map(|path| Judging::load(&path, patch.as_deref())).transpose()?;
         let source = Source::open(&with_recordings(&paths)?, known(limit_n), judging)?;
-        let all = (0..source.reaches.len()).collect();
-        Ok(single_file(&source, &reaches.unwrap_or(all), MAX_PAGE_BYTES)?)
+        Ok(single_file(&source, &source.chosen(&reaches.unwrap_or_default()), MAX_PAGE_BYTES)?)
     })
 }
 
@@ -203,7 +205,7 @@ pub fn _with_recordings(paths: Vec<PathBuf>) -> Result<Vec<PathBuf>, Failure> {
     Ok(with_recordings(&paths)?)
 }
 
-/// Refuses a path where a file is already, unless ``force`` says that it may be overwritten.
+/// Refuses a path where a file is already, unless ``force`` says that it may be overwritten, and one within a data set.
 #[pyfunction]
 pub fn _check_free(path: PathBuf, force: bool) -> Result<(), Failure> {
     Ok(check_free(&path, force)?)

@@ -10,7 +10,7 @@ use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::{Scene, shipped_by_name};
 
 use crate::pool::{alone, guarded};
-use crate::{Answer, Failure, PyCamera, array, given, json, picture};
+use crate::{Answer, Failure, PyCamera, argument, array, given, json, picture};
 
 /// A scene: the ranges from which the clutter of every reach is drawn.
 #[pyclass(frozen, name = "Scene", module = "underbrush._core")]
@@ -137,7 +137,12 @@ impl PyScene {
 
     /// Draw arm and clutter at the start of a reach.
     #[pyo3(signature = (seed = 0, index = 0))]
-    fn draw<'py>(&self, py: Python<'py>, seed: u64, index: u64) -> Answer<'py> {
+    fn draw<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = argument::seed)] seed: u64,
+        #[pyo3(from_py_with = argument::index)] index: u64,
+    ) -> Answer<'py> {
         Ok(picture::shown(py, self.png(py, seed, index)?)?)
     }
 
@@ -147,7 +152,12 @@ impl PyScene {
 
     /// What stands around the arm in a reach, and its goals (m, world frame).
     #[pyo3(signature = (seed = 0, index = 0))]
-    fn clutter<'py>(&self, py: Python<'py>, seed: u64, index: u64) -> Result<Bound<'py, PyDict>, Failure> {
+    fn clutter<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = argument::seed)] seed: u64,
+        #[pyo3(from_py_with = argument::index)] index: u64,
+    ) -> Result<Bound<'py, PyDict>, Failure> {
         let clutter = guarded(|| Ok(ReachPlan::new(self.scene.clone(), None, seed)?.draw(index)?))?;
         let objects = json::objects(py, &clutter.records())?;
         let goals = array::lend_rows(py, clutter.goals.iter().flat_map(|goal| goal.to_array()).collect(), 3)?;

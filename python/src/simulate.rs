@@ -8,7 +8,7 @@ use underbrush_experiments::{VerdictControl, audit, dataset};
 use underbrush_sim::reach::ReachPlan;
 
 use crate::reach::Reach;
-use crate::{Failure, Stop, controller, scene, show_warning, watched};
+use crate::{Failure, Stop, argument, controller, scene, show_warning, watched};
 
 /// Simulate one reach.
 #[pyfunction(name = "reach")]
@@ -16,8 +16,8 @@ use crate::{Failure, Stop, controller, scene, show_warning, watched};
 pub fn simulate(
     py: Python<'_>,
     scene: &Bound<'_, PyAny>,
-    seed: u64,
-    index: u64,
+    #[pyo3(from_py_with = argument::seed)] seed: u64,
+    #[pyo3(from_py_with = argument::index)] index: u64,
     controller: Option<&Bound<'_, PyAny>>,
     verdicts: Option<PathBuf>,
 ) -> Result<Reach, Failure> {

@@ -11,7 +11,7 @@ use underbrush_recording::SkinLayout;
 use underbrush_render::Stage;
 use underbrush_sim::{ReachPlan, Simulation};
 
-use crate::{Answer, Failure, PyArm, PyCamera, PyFrame, Skin, alone, array, locked, picture, pool, scene};
+use crate::{Answer, Failure, PyArm, PyCamera, PyFrame, Skin, alone, argument, array, locked, picture, pool, scene};
 
 /// The arm in one draw of a scene, moved step by step.
 #[pyclass(frozen, name = "Simulation", module = "underbrush._core")]
@@ -45,7 +45,12 @@ impl PySimulation {
 impl PySimulation {
     #[new]
     #[pyo3(signature = (scene, seed = 0, index = 0))]
-    fn new(py: Python<'_>, scene: &Bound<'_, PyAny>, seed: u64, index: u64) -> Result<Self, Failure> {
+    fn new(
+        py: Python<'_>,
+        scene: &Bound<'_, PyAny>,
+        #[pyo3(from_py_with = argument::seed)] seed: u64,
+        #[pyo3(from_py_with = argument::index)] index: u64,
+    ) -> Result<Self, Failure> {
         let scene = scene::scene(scene)?;
         alone(py, || {
             let plan = ReachPlan::new(scene, None, seed)?;
@@ -134,8 +139,8 @@ impl PySimulation {
     fn render<'py>(
         &self,
         py: Python<'py>,
-        width: usize,
-        height: usize,
+        #[pyo3(from_py_with = argument::width)] width: usize,
+        #[pyo3(from_py_with = argument::height)] height: usize,
         camera: Option<&PyCamera>,
         kind: &str,
     ) -> Result<Bound<'py, PyAny>, Failure> {
@@ -167,7 +172,7 @@ pub fn step_many(
     py: Python<'_>,
     simulations: Vec<Py<PySimulation>>,
     equilibrium_rad: &Bound<'_, PyAny>,
-    jobs: Option<usize>,
+    #[pyo3(from_py_with = argument::jobs)] jobs: Option<usize>,
 ) -> Result<Vec<PyFrame>, Failure> {
     let Some(first) = simulations.first() else { return Ok(Vec::new()) };
     let joints = first.get().plan.arm.joints.len();

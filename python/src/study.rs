@@ -14,12 +14,12 @@ use underbrush_report::reproduction::Reproduction;
 use underbrush_report::suite_text;
 use underbrush_validation::{CHECKS, Check};
 
-use crate::{Answer, Failure, Reported, Stop, controller, generate, json, watched};
+use crate::{Answer, Failure, Reported, Stop, argument, controller, generate, json, watched};
 
 /// Check a scene, data set, recording, folder of recordings, model or table of trials, and say what it holds.
 #[pyfunction]
 #[pyo3(signature = (path, seed = 0))]
-pub fn inspect(py: Python<'_>, path: PathBuf, seed: u64) -> Answer<'_> {
+pub fn inspect(py: Python<'_>, path: PathBuf, #[pyo3(from_py_with = argument::seed)] seed: u64) -> Answer<'_> {
     json::to_python(py, &watched(py, None, &Arc::default(), None, |_| Ok(inspection::inspect(&path, seed)?))?)
 }
 
@@ -28,12 +28,12 @@ pub fn inspect(py: Python<'_>, path: PathBuf, seed: u64) -> Answer<'_> {
 pub fn check<'py>(
     py: Python<'py>,
     suites: Vec<PathBuf>,
-    seed: Option<u64>,
+    #[pyo3(from_py_with = argument::seed)] seed: Option<u64>,
     bless: bool,
     out: Option<PathBuf>,
     force: bool,
     progress: Option<Py<PyAny>>,
-    jobs: Option<usize>,
+    #[pyo3(from_py_with = argument::jobs)] jobs: Option<usize>,
 ) -> Answer<'py> {
     for file in out.iter().flat_map(|folder| suite_text::FILES.map(|name| folder.join(name))) {
         check_free(&file, force)?;
@@ -55,11 +55,11 @@ pub fn reproduce<'py>(
     out: PathBuf,
     experiment: Option<PathBuf>,
     quick: bool,
-    seed: Option<u64>,
-    campaigns: u64,
+    #[pyo3(from_py_with = argument::seed)] seed: Option<u64>,
+    #[pyo3(from_py_with = argument::campaigns)] campaigns: u64,
     force: bool,
     progress: Option<Py<PyAny>>,
-    jobs: Option<usize>,
+    #[pyo3(from_py_with = argument::jobs)] jobs: Option<usize>,
 ) -> Answer<'py> {
     let experiment = Experiment::load_or_paper(experiment.as_deref())?;
     let reproduction =
@@ -76,7 +76,7 @@ pub fn run_campaign(
     py: Python<'_>,
     out: PathBuf,
     campaign: u64,
-    seed: Option<u64>,
+    #[pyo3(from_py_with = argument::seed)] seed: Option<u64>,
     experiment: Option<PathBuf>,
     quick: bool,
     jobs: Option<usize>,
@@ -92,7 +92,12 @@ pub fn run_campaign(
 /// `underbrush validate --json` prints them.
 #[pyfunction]
 #[pyo3(signature = (only = None, *, tolerance_scale = 1.0, jobs = None))]
-pub fn validate(py: Python<'_>, only: Option<Vec<String>>, tolerance_scale: f64, jobs: Option<usize>) -> Answer<'_> {
+pub fn validate(
+    py: Python<'_>,
+    #[pyo3(from_py_with = argument::only)] only: Option<Vec<String>>,
+    #[pyo3(from_py_with = argument::tolerance_scale)] tolerance_scale: f64,
+    #[pyo3(from_py_with = argument::jobs)] jobs: Option<usize>,
+) -> Answer<'_> {
     if !(0.0..=f64::MAX).contains(&tolerance_scale) {
         let found = tolerance_scale.to_string();
         return Err(Failure::argument("tolerance_scale", found, "a number, zero or more", "use 1"));
@@ -131,7 +136,7 @@ pub fn benchmark<'py>(
     verdicts: Option<PathBuf>,
     quick: bool,
     progress: Option<Py<PyAny>>,
-    jobs: Option<usize>,
+    #[pyo3(from_py_with = argument::jobs)] jobs: Option<usize>,
 ) -> Answer<'py> {
     let stop = Arc::new(Stop::default());
     let entry = entry(track, model, controller, verdicts, &stop)?;
@@ -163,7 +168,7 @@ pub fn benchmark_part(
     place: isize,
     part: PathBuf,
     track: &str,
-    shard: (u64, u64),
+    shard: &Bound<'_, PyAny>,
     model: Option<PathBuf>,
     controller: Option<&Bound<'_, PyAny>>,
     verdicts: Option<PathBuf>,

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use serde_json::Value;
 use underbrush_recording::disk::{self, Batch, Dataset, Rows, Values, is_of_joints_or_taxels};
 
-use crate::array::Numbers;
+use crate::array::{Numbers, numpy};
 use crate::{Answer, Failure};
 
 /// A table. Polars, pyarrow, pandas, DuckDB and others read it through Arrow's C stream interface without a copy.
@@ -182,16 +182,18 @@ fn numbers(column: &ArrayRef, is_wide: bool) -> Option<Numbers> {
 }
 
 impl Column {
-    /// Whether a data type is single precision.
+    /// Whether a data type, in any form that NumPy takes, is single precision.
     ///
     /// # Errors
     /// `Fault::Input` for any data type but single and double precision.
-    pub fn is_single(dtype: &str) -> Result<bool, Failure> {
-        match dtype {
-            "float32" => Ok(true),
-            "float64" => Ok(false),
-            other => Err(Failure::argument("dtype", other, "float32 or float64", "choose one of them")),
+    pub fn is_single(dtype: &Bound<'_, PyAny>) -> Result<bool, Failure> {
+        let own = numpy(dtype.py(), "dtype")?.call1((dtype,));
+        for (name, single) in [("float32", true), ("float64", false)] {
+            if own.as_ref().is_ok_and(|own| own.eq(name).unwrap_or(false)) {
+                return Ok(single);
+            }
         }
+        Err(Failure::argument("dtype", dtype.to_string(), "float32 or float64", "choose one of them"))
     }
 
     /// A column of numbers without nulls. `single` says whether floating-point numbers become single or double precision;

@@ -18,7 +18,7 @@ use underbrush_recording::{Fault, Recording, stop};
 use crate::classifier::other_kind;
 use crate::online::Online;
 use crate::reach::Reach;
-use crate::{Answer, Failure, PyDataset, Skin, alone, given, json, watched};
+use crate::{Answer, Failure, PyDataset, Skin, alone, argument, given, json, watched};
 
 /// A touch model: what presses on each taxel (nothing, a category, uncertain or unknown), in every frame. Reaches are given as a
 /// data set, as a list of reaches, or by the path of a data set, a recording or a folder of recordings, or a list of such paths.
@@ -52,9 +52,9 @@ impl PyTouchModel {
         reaches: &Bound<'_, PyAny>,
         patch: Option<String>,
         auxiliary: Option<&Bound<'_, PyAny>>,
-        threshold_n: Option<f64>,
-        limit_wrong: Option<f64>,
-        jobs: Option<usize>,
+        #[pyo3(from_py_with = argument::threshold_n)] threshold_n: Option<f64>,
+        #[pyo3(from_py_with = argument::limit_wrong)] limit_wrong: Option<f64>,
+        #[pyo3(from_py_with = argument::jobs)] jobs: Option<usize>,
     ) -> Result<Self, Failure> {
         let options = TouchOptions::of(patch, threshold_n);
         let reaches = Given::of("reaches", reaches)?;
@@ -83,10 +83,10 @@ impl PyTouchModel {
         py: Python<'py>,
         reaches: &Bound<'py, PyAny>,
         patch: Option<String>,
-        folds: usize,
-        threshold_n: Option<f64>,
-        limit_wrong: Option<f64>,
-        jobs: Option<usize>,
+        #[pyo3(from_py_with = argument::folds)] folds: usize,
+        #[pyo3(from_py_with = argument::threshold_n)] threshold_n: Option<f64>,
+        #[pyo3(from_py_with = argument::limit_wrong)] limit_wrong: Option<f64>,
+        #[pyo3(from_py_with = argument::jobs)] jobs: Option<usize>,
     ) -> Answer<'py> {
         let options = TouchOptions::of(patch, threshold_n);
         let reaches = Given::of("reaches", reaches)?;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyIndexError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyCapsule, PySlice};
 use underbrush_classifier::{DataSource, FeatureSet};
@@ -12,7 +12,7 @@ use underbrush_experiments::model_data;
 use underbrush_recording::disk::{DiskError, check_free, read_trials, trial_table, write_trials};
 use underbrush_recording::{Category, Region, Sample, Trial, limits};
 
-use crate::{Answer, Failure, PyTable, alone, array, given, json, place, places};
+use crate::{Answer, Failure, PyTable, alone, argument, array, given, json, place, places};
 
 /// Contact trials: what one taxel, or one connected component, sensed from the beginning of a contact to its end.
 #[pyclass(frozen, module = "underbrush._core")]
@@ -107,15 +107,28 @@ fn sample(name: &str, set: &FeatureSet, numbers: &[f64], place: usize) -> Result
     Ok(sample)
 }
 
-/// A category that a table may hold.
+/// Categories from a list or an array: names that a table may hold, and `None` where one is unknown.
 ///
 /// # Errors
-/// `Fault::Input` for any other text.
-fn checked(category: Option<String>) -> Result<Option<String>, Failure> {
-    match category.as_deref().and_then(|name| Some((name, Category::name_fault(name)?))) {
-        Some((name, allowed)) => Err(Failure::argument("categories", format!("{name:?}"), allowed, "rename it")),
-        None => Ok(category),
-    }
+/// `Fault::Input` for anything else.
+fn categories(value: &Bound<'_, PyAny>) -> Result<Vec<Option<String>>, Failure> {
+    let refused = |found: String, allowed: &str, remedy: &str| Failure::argument("categories", found, allowed, remedy);
+    let items = value.extract::<Vec<Bound<'_, PyAny>>>();
+    let items = items.map_err(|_| {
+        refused(format!("an object of type {}", value.get_type()), "a list of names", "give a list or an array")
+    })?;
+    let one = |(row, item): (usize, &Bound<'_, PyAny>)| {
+        let name: Option<String> = item.extract().map_err(|_| {
+            let remedy =
+                "replace missing values of a pandas column by column.astype(object).where(column.notna(), None)";
+            refused(format!("{item} in row {row}"), "a name, or None where it is unknown", remedy)
+        })?;
+        match name.as_deref().and_then(Category::name_fault) {
+            Some(allowed) => Err(refused(format!("{:?} in row {row}", name.unwrap_or_default()), allowed, "rename it")),
+            None => Ok(name),
+        }
+    };
+    items.iter().enumerate().map(one).collect()
 }
 
 /// Trials from sequences of features, one array for each. Their times are those of samples at 100 Hz.
@@ -141,10 +154,9 @@ fn of_sequences(
             return Err(Failure::argument(name, "no samples", "at least one sample", "leave it out"));
         }
         let samples = numbers.chunks_exact(width).enumerate().map(|(place, row)| sample(&name, set, row, place));
-        let category = categories.as_ref().and_then(|categories| categories[index].clone());
         Ok(Trial {
             trial: index as u64,
-            category: checked(category)?,
+            category: categories.as_ref().and_then(|categories| categories[index].clone()),
             reach: groups.as_ref().map(|groups| groups[index]),
             samples: samples.collect::<Result<_, Failure>>()?,
             ..Trial::default()
@@ -158,7 +170,11 @@ impl Trials {
     /// Read a table of trials (CSV or Parquet).
     #[staticmethod]
     #[pyo3(signature = (path, min_samples = 1))]
-    fn load(py: Python<'_>, path: PathBuf, min_samples: usize) -> Result<Self, Failure> {
+    fn load(
+        py: Python<'_>,
+        path: PathBuf,
+        #[pyo3(from_py_with = argument::min_samples)] min_samples: usize,
+    ) -> Result<Self, Failure> {
         let read = || {
             let list = read_trials(&path)?;
             Ok((model_data::of_table(&path, &list)?, list))
@@ -173,7 +189,10 @@ impl Trials {
     /// regions. Rows of a trial follow each other in time.
     #[staticmethod]
     #[pyo3(signature = (frame, min_samples = 1))]
-    fn from_dataframe<'py>(frame: &Bound<'py, PyAny>, min_samples: usize) -> PyResult<Bound<'py, PyAny>> {
+    fn from_dataframe<'py>(
+        frame: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = argument::min_samples)] min_samples: usize,
+    ) -> PyResult<Bound<'py, PyAny>> {
         frame.py().import("underbrush._data")?.call_method1("trials_of", (frame, min_samples))
     }
 
@@ -202,11 +221,12 @@ impl Trials {
     #[pyo3(signature = (sequences, categories = None, *, features = None, groups = None))]
     fn from_sequences(
         sequences: Vec<Bound<'_, PyAny>>,
-        categories: Option<Vec<Option<String>>>,
+        categories: Option<&Bound<'_, PyAny>>,
         features: Option<&Bound<'_, PyAny>>,
-        groups: Option<Vec<u64>>,
+        #[pyo3(from_py_with = argument::groups)] groups: Option<Vec<u64>>,
     ) -> Result<Self, Failure> {
         let set = given::features(features)?.unwrap_or(FeatureSet::FORCE);
+        let categories = categories.map(self::categories).transpose()?;
         Ok(Trials::new(of_sequences(&sequences, &set, categories, groups)?))
     }
 
@@ -234,7 +254,13 @@ impl Trials {
                 Failure::unless_one_each("index", flags.len(), self.list.len(), "trial")?;
                 flags.iter().enumerate().filter(|(_, flag)| **flag).map(|(place, _)| place).collect()
             }
-            _ => key.extract::<Vec<isize>>()?.into_iter().map(|index| self.place(index)).collect::<Result<_, _>>()?,
+            _ => {
+                let numbers = key.extract::<Vec<isize>>().map_err(|_| {
+                    let allowed = "a number, a slice, a list of numbers or an array of truth values";
+                    PyIndexError::new_err(format!("found the index {key}; allowed: {allowed}"))
+                })?;
+                numbers.into_iter().map(|index| self.place(index)).collect::<Result<_, _>>()?
+            }
         };
         Ok(Bound::new(py, self.some(places.into_iter()))?.into_any())
     }
@@ -287,11 +313,12 @@ impl Trials {
     }
 
     /// The same trials with other categories.
-    fn with_categories(&self, categories: Vec<Option<String>>) -> Result<Self, Failure> {
+    fn with_categories(&self, categories: &Bound<'_, PyAny>) -> Result<Self, Failure> {
+        let categories = self::categories(categories)?;
         Failure::unless_one_each("categories", categories.len(), self.list.len(), "trial")?;
         let pairs = self.list.iter().zip(categories);
-        let renamed = |(trial, category): (&Trial, _)| Ok(Trial { category: checked(category)?, ..trial.clone() });
-        Ok(Trials::new(pairs.map(renamed).collect::<Result<_, Failure>>()?).cut_from(self.sources.clone()))
+        let renamed = |(trial, category): (&Trial, _)| Trial { category, ..trial.clone() };
+        Ok(Trials::new(pairs.map(renamed).collect()).cut_from(self.sources.clone()))
     }
 
     /// The features of each trial: a list of arrays (samples, features), read only.
@@ -311,7 +338,12 @@ impl Trials {
 
     /// One feature of all trials as an array (trials, samples), padded with NaN. Trials longer than `samples` are cut.
     #[pyo3(signature = (feature = "force", samples = None))]
-    fn padded<'py>(&self, py: Python<'py>, feature: &str, samples: Option<usize>) -> Answer<'py> {
+    fn padded<'py>(
+        &self,
+        py: Python<'py>,
+        feature: &str,
+        #[pyo3(from_py_with = argument::samples)] samples: Option<usize>,
+    ) -> Answer<'py> {
         let set = FeatureSet::from_names(&[feature])?;
         let longest = self.list.iter().map(|trial| trial.samples.len()).max().unwrap_or(0);
         let width = samples.unwrap_or(longest);

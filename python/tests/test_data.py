@@ -39,6 +39,19 @@ def test_columns_are_those_of_the_files(data: ub.Dataset) -> None:
     assert single.dtype == np.float32 and np.array_equal(single, files[angles].to_numpy().astype(np.float32))
 
 
+def test_data_types_are_those_of_numpy(data: ub.Dataset) -> None:
+    """Tests that columns take data types in all forms that NumPy takes, and refuse others with those that are allowed."""
+    reach = data[0]
+    for double in (float, np.float64, np.dtype("f8"), "double"):
+        assert data.column(TACTILE, double).dtype == np.float64
+        assert reach.sensed_force_n("forearm", double) is reach.column(TACTILE, "float64")
+    assert reach.sensed_force_n("forearm", dtype=np.float32) is reach.sensed_force_n("forearm")
+    for other in (np.int8, "int8", "colour", 3, True, ">f4"):
+        for call in (data.column, reach.column):
+            with pytest.raises(ub.InputError, match="dtype: found .*; allowed: float32 or float64"):
+                call(TACTILE, other)
+
+
 def test_long_reaches_have_several_pages(tmp_path: Path) -> None:
     """Tests the columns of a reach so long that its numbers are in several pages of the Parquet file."""
     data = ub.generate("leaf", 1, tmp_path / "set", seed=1, progress=False)
@@ -165,13 +178,12 @@ def test_pickled_sets_and_reaches_read_the_same_files(data: ub.Dataset) -> None:
 
 
 def test_unknown_names_are_refused(data: ub.Dataset) -> None:
-    """Tests that unknown columns, tables, patches and data types are refused with the known ones."""
+    """Tests that unknown columns, tables and patches are refused with the known ones."""
     for call, text in (
         (lambda: data.column("force"), TACTILE),
         (lambda: data[0].column("force"), TACTILE),
         (lambda: data.table("truth"), "truth/taxels"),
         (lambda: data[0].sensed_force_n("hand"), "forearm"),
-        (lambda: data.column(TACTILE, "int8"), "float32"),
         (lambda: data[0].column("truth.moved_pose"), "table"),
     ):
         with pytest.raises(ub.InputError, match=text):
@@ -210,8 +222,9 @@ def test_map_style_data_sets(data: ub.Dataset, trials: ub.Trials) -> None:
     assert np.array_equal(array[:20, 0], trials[0].force_n[:20].astype(np.float32))
     with pytest.raises(ub.InputError, match=r"categories: found \['x'\]"):
         ub.TrialDataset(trials, ["x"])
-    with pytest.raises(ub.InputError, match="samples: found 0"):
-        ub.TrialDataset(trials, samples=0)
+    for samples in (0, 2.5, True):
+        with pytest.raises(ub.InputError, match=f"samples: found {samples}"):
+            ub.TrialDataset(trials, samples=samples)
     with pytest.raises(ub.InputError, match="categories: found .* allowed: each name once"):
         ub.TrialDataset(trials, ["leaf", "trunk", "leaf"])
     with pytest.raises(ub.InputError, match="columns: found 'colour'"):

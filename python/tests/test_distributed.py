@@ -42,9 +42,9 @@ def test_parts_of_another_call_are_refused(tmp_path: Path) -> None:
     model.write_text("another model")
     with pytest.raises(ub.InputError, match="differs in verdicts"):
         claim()
-    with pytest.raises(ub.InputError, match="parts: found -1; allowed: 1 or more"):
+    with pytest.raises(ub.InputError, match="parts: found -1; allowed: a whole number, 1 or more"):
         claim(parts=-1)
-    with pytest.raises(ub.InputError, match="campaigns: found 20000; allowed: 1 to 10000"):
+    with pytest.raises(ub.InputError, match="campaigns: found 20000; allowed: a whole number, 1 to 10000"):
         distributed.reproduce(tmp_path / "study", campaigns=20_000)
     (folder / "call.json").unlink()
     with pytest.raises(ub.InputError, match="unknown call"):

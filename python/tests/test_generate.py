@@ -198,7 +198,7 @@ def test_parts_share_a_folder(tmp_path: Path) -> None:
 
 def test_shards_make_the_whole(tmp_path: Path) -> None:
     """Tests that two shards hold the reaches of the whole set and merge into it byte for byte, and that bad shards,
-    scenes with equal names and bad numbers of threads or reaches are refused."""
+    scenes with equal names, bad numbers of threads or reaches, and other objects are refused."""
     whole = ub.generate(quick("leaf"), 2, tmp_path / "whole", seed=3, progress=False)
     parts = [ub.generate(quick("leaf"), 2, tmp_path / str(part), seed=3, shard=(part, 2), progress=False) for part in (1, 2)]
     assert [len(part) for part in parts] == [1, 1]
@@ -208,8 +208,9 @@ def test_shards_make_the_whole(tmp_path: Path) -> None:
     assert contents(merged.path) == contents(whole.path)
     with pytest.raises(ub.InputError, match="2"):
         ub.merge([parts[0].path], tmp_path / "none")
-    with pytest.raises(ub.InputError, match="I <= N"):
-        ub.generate(quick("leaf"), 2, tmp_path / "none", shard=(3, 2), progress=False)
+    for shard in ((3, 2), (-1, 2), (1, 2, 3), 1):
+        with pytest.raises(ub.InputError, match="shard: found .* allowed: .* I <= N"):
+            ub.generate(quick("leaf"), 2, tmp_path / "none", shard=shard, progress=False)
     with pytest.raises(ub.InputError, match="given twice"):
         ub.generate([quick("leaf"), quick("leaf")], 1, tmp_path / "none", progress=False)
     for reaches in (0, 10**9):
@@ -217,6 +218,16 @@ def test_shards_make_the_whole(tmp_path: Path) -> None:
             ub.generate("leaf", reaches, tmp_path / "none")
     with pytest.raises(ub.InputError, match="threads"):
         ub.generate(quick("leaf"), 1, tmp_path / "none", progress=False, jobs=0)
+    for given, text in (
+        ({"scenes": 3}, "scenes: found an object of type int"),
+        ({"reaches": 1.5}, "reaches: found 1.5; allowed: a whole number"),
+        ({"seed": 2**64}, "seed: found 18446744073709551616; allowed: a whole number"),
+        ({"progress": 3}, "progress: found an object of type int"),
+    ):
+        with pytest.raises(ub.InputError, match=text):
+            ub.generate(**{"scenes": "leaf", "reaches": 1, "out": tmp_path / "none", "progress": False, **given})
+    with pytest.raises(ub.InputError, match="parts: found .*; allowed: a list"):
+        ub.merge(str(merged.path), tmp_path / "none")
     assert not (tmp_path / "none").exists()
 
 

@@ -154,6 +154,8 @@ def test_bad_use_is_refused() -> None:
         ({"action": "torque"}, "waypoint"),
         ({"reward": {"speed": 1.0}}, "progress_per_m"),
         ({"frames_per_step": 0}, "frames_per_step"),
+        ({"frames_per_step": "4"}, 'frames_per_step: found string "4"; allowed: a whole number from 0'),
+        ({"reward": 1}, "reward: found integer `1`; allowed: a dictionary"),
         ({"controller": "none"}, "cody-2013"),
         ({"width": 10}, "64 to 1280 pixels"),
         ({"seed": 3}, "only in reset"),

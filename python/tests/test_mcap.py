@@ -228,7 +228,7 @@ def test_trials_through_mcap_are_those_of_the_reach(
 
 def test_several_reaches_become_a_folder(data: ub.Dataset, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Tests that each reach has a file, that files of another export are refused or removed, that a failed export leaves no
-    file, and that no input, no folder and no file in place of a folder is overwritten."""
+    file, that no input, no folder and no file in place of a folder is overwritten, and that other objects are no reaches."""
     folder, file, recording = tmp_path / "many", tmp_path / "one.mcap", tmp_path / "reach.parquet"
     main = underbrush.mcap.main
     assert main(["export", str(data.path), "--out", str(folder)]) == 0
@@ -249,6 +249,9 @@ def test_several_reaches_become_a_folder(data: ub.Dataset, tmp_path: Path, capsy
     assert "several reaches become a folder" in capsys.readouterr().err
     assert main(["export", str(recording), str(recording), "--out", str(folder), "--force"]) == 0
     assert len(list(folder.iterdir())) == 2
+    for wrong, kind in ((str(data.path), "str"), (3, "int"), ([data], "Dataset")):
+        with pytest.raises(ub.InputError, match=f"reaches: found an object of type {kind}; allowed: a Reach, a Dataset"):
+            underbrush.mcap.export(wrong, tmp_path / "wrong")
     assert main(["export", str(tmp_path / "nowhere"), "--out", str(tmp_path / "new.mcap")]) == 2
     assert "nowhere" in capsys.readouterr().err and not (tmp_path / "new.mcap").exists()
 
@@ -297,7 +300,7 @@ def test_channels_hold_the_last_message(reach: ub.Reach, path: Path, tmp_path: P
 
 
 def test_logs_without_the_forces_are_refused(path: Path, tmp_path: Path) -> None:
-    """Tests that a wrong topic or field, and a file that is cut or missing, are errors which say what there is."""
+    """Tests that a wrong topic or field, a damaged grid, and a file that is cut or missing, are errors which say what there is."""
     out = tmp_path / "log.csv"
     assert underbrush.mcap.main(["csv", str(tmp_path / "nowhere.mcap"), "--topic", "/palm", "--out", str(out)]) == 2
     with pytest.raises(ub.InputError, match=r"'/palm'; allowed: .*/skin/forearm"):
@@ -310,7 +313,19 @@ def test_logs_without_the_forces_are_refused(path: Path, tmp_path: Path) -> None
         underbrush.mcap.csv_of(path, out, "/joint_states", "effort", channels={"heat": ("/heat", "data")})
     with pytest.raises(ub.InputError, match="another name"):
         underbrush.mcap.csv_of(path, out, "/joint_states", "effort", channels={"time": ("/joint_states", "position")})
+    with pytest.raises(ub.InputError, match="'/heat:data'; allowed: a pair of topic and field"):
+        underbrush.mcap.csv_of(path, out, "/joint_states", "effort", channels={"heat": "/heat:data"})
     assert underbrush.mcap.main(["csv", str(path), "--topic", "/joint_states", "--out", str(out), "--channel", "heat"]) == 2
+    damaged = tmp_path / "damaged.mcap"
+    with open(damaged, "wb") as file:
+        writer: Any = mcap_writer.Writer(file)
+        writer.start()
+        channel = writer.register_channel("/palm", "json", writer.register_schema("grid", "jsonschema", b"{}"))
+        grid = {"cell_stride": 8, "fields": [{"name": "force", "offset": 0, "type": 8}]}
+        writer.add_message(channel, 0, json.dumps(grid).encode(), 0)
+        writer.finish()
+    with pytest.raises(ub.InputError, match=r"'force' in a grid that cannot be read: KeyError\('column_count'\)"):
+        underbrush.mcap.csv_of(damaged, out, "/palm", "force")
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(path.read_bytes()[:-1000])
     with pytest.raises(ub.InputError, match="cut.mcap"):

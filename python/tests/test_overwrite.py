@@ -43,6 +43,20 @@ def test_only_force_overwrites(data: ub.Dataset, trials: ub.Trials, tmp_path: Pa
     assert len(ub.Dataset(out)) == 1
 
 
+def test_nothing_is_saved_into_a_data_set(data: ub.Dataset, trials: ub.Trials) -> None:
+    """Tests that no file is written into the folder of a data set."""
+    kinds = {
+        "trials.csv": trials,
+        "model.json": ub.fit(trials, "naive-bayes"),
+        "reach.parquet": data[0],
+        "scene.png": ub.Scene("leaf").draw(),
+    }
+    for name, kind in kinds.items():
+        with pytest.raises(ub.InputError, match="found a place within the data set"):
+            kind.save(data.path / "new" / name, force=True)
+    assert not (data.path / "new").exists()
+
+
 def test_remedies_are_those_of_python(data: ub.Dataset, tmp_path: Path) -> None:
     """Tests that errors name arguments and functions of Python and no option of the command line, and so do their remedies."""
 

@@ -72,7 +72,7 @@ def test_ctrl_c_ends_calls(data: ub.Dataset, trials: ub.Trials, tmp_path: Path) 
     for call in (
         lambda: ub.fit(trials, **endless),
         lambda: ub.evaluate(trials, ub.Options("hmm", **endless)),
-        lambda: ub.replay(data, [0] * 100_000),
+        lambda: ub.replay(tmp_path),
         lambda: ub.inspect(tmp_path),
     ):
         threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()

@@ -148,9 +148,11 @@ def test_a_fit_that_fails_leaves_the_classes() -> None:
 
 
 def test_numbers_are_no_classes_of_sequences() -> None:
-    """Tests that `fit_sequences` refuses labels that are measured numbers, as `fit` does."""
+    """Tests that `fit_sequences` refuses labels that are measured numbers, as `fit` does, and says that labels are missing."""
     with pytest.raises(ValueError, match="continuous"):
         ours.LogisticClassifier().fit_sequences([[1.0, 2.0], [3.0]], [0.5, 0.7])
+    with pytest.raises(ValueError, match="cannot be sorted: NoneType, str; leave out"):
+        ours.LogisticClassifier().fit_sequences([[1.0, 2.0], [3.0]], ["leaf", None])
 
 
 def test_scikit_learn_takes_part_in_evaluate(trials: ub.Trials) -> None:
@@ -166,7 +168,7 @@ def test_scikit_learn_takes_part_in_evaluate(trials: ub.Trials) -> None:
         own = [p["verdict"] for p, inside in zip(found["predictions"], fold == part, strict=True) if inside]
         assert [verdict["category"] for verdict in own] == list(expected)
     assert 0 < found["accuracy"] <= 1 and found["majority_baseline"] > 0
-    with pytest.raises(ub.InputError, match="samples: found 0; allowed: 1 or more"):
+    with pytest.raises(ub.InputError, match="samples: found 0; allowed: a whole number, 1 or more"):
         ours.FixedWindow(LinearSVC(), samples=0).fit_trials(trials)
     fitted = window.fit_trials(trials)
     assert ub.evaluate(trials, fitted)["accuracy"] >= found["accuracy"] - 0.2

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas
 import pytest
 
 import underbrush as ub
@@ -42,7 +43,7 @@ def test_trials_are_a_sequence(trials: ub.Trials) -> None:
         assert np.array_equal(row[~np.isnan(row)], sequence[:40, 0]) and len(sequence) == length
     both = trials.sequences("force,motion")[0]
     assert np.array_equal(both, np.stack([trials[0].force_n, trials[0].motion_m], axis=1))
-    for index in (len(trials), -len(trials) - 1):
+    for index in (len(trials), -len(trials) - 1, 2**70, "leaf", [0.5]):
         with pytest.raises(IndexError):
             trials[index]
     with pytest.raises(ub.InputError, match="one for each trial"):
@@ -109,6 +110,20 @@ def test_trials_come_from_data_frames(trials: ub.Trials) -> None:
     frame.loc[3, "force_n"] = -5.0
     with pytest.raises(ub.InputError, match="^the data frame: row 3, .*force_n"):
         ub.Trials.from_dataframe(frame)
+
+
+def test_missing_categories_are_refused(trials: ub.Trials) -> None:
+    """Tests that a missing value of a pandas column is refused as a category, with its row and a remedy that works."""
+    column = pandas.Series(trials.categories)
+    column[3] = float("nan")
+    with pytest.raises(ub.InputError, match="categories: found nan in row 3; allowed: a name, or None .* column.astype"):
+        trials.with_categories(column)
+    with pytest.raises(ub.InputError, match="categories: found <NA> in row 1"):
+        ub.Trials.from_sequences([[1.0], [2.0]], ["leaf", pandas.NA])
+    renamed = trials.with_categories(column.astype(object).where(column.notna(), None))
+    assert renamed.categories == [*trials.categories[:3], None, *trials.categories[4:]]
+    with pytest.raises(ub.InputError, match="categories: found an object of type .*str.*; allowed: a list of names"):
+        trials.with_categories("leaf")
 
 
 def test_any_column_is_a_feature(trials: ub.Trials, tmp_path: Path) -> None:
@@ -199,7 +214,7 @@ def test_trials_of_another_unit_are_noticed(data: ub.Dataset, trials: ub.Trials,
 
 
 def test_bad_options_are_refused(data: ub.Dataset, trials: ub.Trials) -> None:
-    """Tests that options that do not exist, do not apply or are out of range are refused by name."""
+    """Tests that options that do not exist, do not apply, are out of range or no numbers are refused by name."""
     for call, text in (
         (lambda: ub.fit(trials, "svm"), "nearest-neighbours"),
         (lambda: ub.fit(trials, "naive-bayes", states=3), "only for the classifier hmm"),
@@ -229,6 +244,20 @@ def test_bad_options_are_refused(data: ub.Dataset, trials: ub.Trials) -> None:
         (lambda: ub.Trials.from_sequences([[1.0]], ["leaf", "trunk"]), "categories"),
         (lambda: ub.Trials.from_sequences([[3], [2, 1.5]], features="area"), "sequence 1: found 1.5 for area in sample 1"),
         (lambda: ub.Trials.from_sequences([[0]], features="area"), "whole numbers, 1 to 65536 taxels"),
+        (lambda: ub.Trials.from_sequences([[1.0]], groups=[-1]), "groups: found -1; allowed: a whole number from 0"),
+        (lambda: trials.padded(samples=2.5), "samples: found 2.5; allowed: a whole number from 0"),
+        (lambda: ub.fit(trials, states=2**70), "states: found 1180591620717411303424; allowed: a whole number of at most 64"),
+        (lambda: ub.fit(trials, states=True), "states: found boolean `true`; allowed: a whole number from 0"),
+        (lambda: ub.fit(trials, tolerance="low"), 'tolerance: found string "low"; allowed: a number'),
+        (lambda: ub.fit(trials, false_positive_rate=True), "false_positive_rate: found True; allowed: a number"),
+        (lambda: ub.fit(trials, false_positive_rate=1.5), "false_positive_rate: found 1.5; allowed: above 0 and below 1"),
+        (lambda: ub.fit(trials, false_positive_rate=0.1, outlier_prior=0.5), "outlier_prior: found 0.5; allowed: at least 0"),
+        (lambda: ub.fit(trials).classify(trials, decision=True), 'decision: found True; allowed: "argmax"'),
+        (lambda: ub.fit(trials).classify(trials, decision=(True, 80.0)), 'decision: found .True, 80.0.; allowed: "argmax"'),
+        (lambda: data.trials(by=True), "by: found True; allowed: taxel, component"),
+        (lambda: data.trials(threshold_n=np.True_), "threshold_n: found boolean `true`; allowed: a number"),
+        (lambda: ub.evaluate(trials, ub.Options(), jobs=2**70), "jobs: found 1180591620717411303424; allowed: a whole"),
+        (lambda: ub.reach("leaf", seed=-1), "seed: found -1; allowed: a whole number from 0 to 18446744073709551615"),
     ):
         with pytest.raises(ub.InputError, match=text):
             call()

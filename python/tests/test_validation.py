@@ -18,18 +18,24 @@ def test_checks_pass_and_can_fail() -> None:
         ub.validate(["no-such"])
     with pytest.raises(ub.InputError, match="only: found none"):
         ub.validate([])
+    with pytest.raises(ub.InputError, match=f"only: found {name}; allowed: a list"):
+        ub.validate(name)
     with pytest.raises(ub.InputError, match="zero or more"):
         ub.validate([name], tolerance_scale=-1.0)
 
 
 def test_the_replay_page_holds_the_reach(data: ub.Dataset, tmp_path: Path) -> None:
-    """Tests that the page of a data set, and of a reach in memory, is one HTML file with the reaches inside."""
-    page = ub.replay(data, [0, 1])
+    """Tests that the page of a data set, and of a reach in memory, is one HTML file with the reaches inside, each once, and that
+    no reaches and what are no numbers of reaches are refused."""
+    page = ub.replay(data, [0, 1, 0])
     page.save(tmp_path / "new" / "page.html")
     text = (tmp_path / "new" / "page.html").read_text()
     assert text.count('id="underbrush-reach-') == 2 and "<iframe" in page._repr_html_()
     one = ub.replay(ub.Reach.load(_saved(data, tmp_path)))
     assert one.html.count('id="underbrush-reach-') == 1
+    for reaches, found in (([], "none"), ([-1], "-1"), ([True], "True"), (0, "0")):
+        with pytest.raises(ub.InputError, match=f"reaches: found {found}; allowed"):
+            ub.replay(data, reaches)
 
 
 def _saved(data: ub.Dataset, folder: Path) -> Path:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from ._errors import InputError, refused
+from ._errors import InputError, refused, whole
 
 
 def each(things: _core.Dataset | _core.Trials) -> Iterator[Any]:
@@ -98,14 +98,12 @@ class TrialDataset:
             raise refused("categories", f"{self.categories}", f"names of categories of the trials: {known}", "give some of them")
         if len(set(self.categories)) < len(self.categories):
             raise refused("categories", f"{self.categories}", "each name once", "leave out the others")
-        if samples is not None and samples < 1:
-            raise refused("samples", f"{samples}", "1 or more", "give a larger number")
         numbers = {name: number for number, name in enumerate(self.categories)}
         kept = [place for place, name in enumerate(trials.categories) if name in numbers]
         chosen = trials[kept]
         self.labels = [numbers[name] for name in chosen.categories if name is not None]
         self.sequences = chosen.sequences(features)
-        self.samples = samples
+        self.samples = None if samples is None else whole("samples", samples, 1)
 
     def __len__(self) -> int:
         return len(self.labels)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+import operator
 import os
 import re
 import sys
 import warnings
+from typing import Any
 
 # What messages of the command line are called in Python, the longer ones first.
 _IN_PYTHON = [
@@ -84,6 +87,18 @@ def refused(field: str, found: str, allowed: str, remedy: str, file: str = "argu
     """The error about an argument, or about a field of something else."""
     message = f"{file}: {field}: found {found}; allowed: {allowed}; remedy: {remedy}"
     return InputError(message, file, None, field, found, allowed, remedy)
+
+
+def whole(field: str, value: Any, low: int, high: float = math.inf) -> int:
+    """The argument with this name as a whole number of a range."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = low - 1
+    if isinstance(value, bool) or not low <= number <= high:
+        allowed = f"{low} or more" if math.isinf(high) else f"{low} to {high}"
+        raise refused(field, f"{value}", f"a whole number, {allowed}", "change it")
+    return number
 
 
 class RunError(RuntimeError):

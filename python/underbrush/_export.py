@@ -45,17 +45,31 @@ def whole(path: Path, force: bool, source: str | os.PathLike[str] | None = None)
 
 
 def make_folder(path: Path) -> None:
-    """Makes the folder for the files of several reaches, if it is not there."""
+    """Makes the folder for the files of several reaches, if it is not there. It is not made within a data set."""
+    _core._check_free(path, True)
     if path.exists() and not path.is_dir():
         raise InputError(f"{path}: is a file, and several reaches become a folder; choose another name", file=str(path))
     path.mkdir(parents=True, exist_ok=True)
 
 
 def each(reaches: _core.Reach | _core.Dataset | Iterable[_core.Reach]) -> Iterator[_core.Reach]:
-    """The reaches one by one."""
-    if isinstance(reaches, _core.Reach):
-        return iter([reaches])
-    return iter(reaches)
+    """The reaches one by one. An object that holds no reaches is refused at once."""
+    listed: Iterable[_core.Reach] = [reaches] if isinstance(reaches, _core.Reach) else reaches
+    if isinstance(listed, (str, os.PathLike)) or not isinstance(listed, Iterable):
+        raise _no_reach(listed)
+
+    def checked() -> Iterator[_core.Reach]:
+        for reach in listed:
+            if not isinstance(reach, _core.Reach):
+                raise _no_reach(reach)
+            yield reach
+
+    return checked()
+
+
+def _no_reach(found: object) -> InputError:
+    allowed = "a Reach, a Dataset, or a list of reaches"
+    return refused("reaches", f"an object of type {type(found).__name__}", allowed, "open it with Reach.load or Dataset")
 
 
 def reaches_in(places: list[Path], out: Path) -> tuple[int, Iterator[_core.Reach]]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sklearn.base import clone
 
 from . import _core
-from ._errors import refused
+from ._errors import whole
 
 
 class FixedWindow:
@@ -36,12 +36,11 @@ class FixedWindow:
         self.categories: list[str] = []
 
     def _rows(self, trials: _core.Trials) -> NDArray[np.float64]:
-        if self.samples < 1:
-            raise refused("samples", f"{self.samples}", "1 or more", "give a larger number")
+        samples = whole("samples", self.samples, 1)
         rows = []
         for sequence in trials.sequences(self.features):
-            window = sequence[: self.samples]
-            missing = self.samples - len(window)
+            window = sequence[:samples]
+            missing = samples - len(window)
             rows.append(np.concatenate([window, np.repeat(window[-1:], missing, axis=0)]).ravel())
         return np.asarray(rows)
 

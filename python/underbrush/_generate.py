@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import cast
 
 from . import _core
+from ._errors import refused
 from ._progress import Bar, Progress
 from ._types import ControllerLike, SceneLike
+
+
+def scene_list(scenes: SceneLike | Sequence[SceneLike]) -> list[SceneLike]:
+    """The scenes of an argument, which may be a single one."""
+    if isinstance(scenes, (_core.Scene, str, os.PathLike)):
+        return [scenes]
+    if not isinstance(scenes, Iterable):
+        allowed = "a Scene, the name or the path of one, or a list of them"
+        raise refused("scenes", f"an object of type {type(scenes).__name__}", allowed, "give one of them")
+    return list(scenes)
+
 
 def generate(
     scenes: SceneLike | Sequence[SceneLike],
@@ -66,11 +78,9 @@ def generate(
     InputError
         If a scene, an option or the folder is bad.
     """
-    if isinstance(scenes, (_core.Scene, str, os.PathLike)):
-        scenes = [scenes]
     with Bar("reaches").shown(progress) as shown:
         made = _core.generate(
-            list(scenes),
+            scene_list(scenes),
             reaches,
             Path(out),
             seed=seed,
@@ -122,11 +132,9 @@ def generate_shared(
     InputError
         If a scene or an option is bad, or if the folder holds another set, parts of another campaign or other files.
     """
-    if isinstance(scenes, (_core.Scene, str, os.PathLike)):
-        scenes = [scenes]
     with Bar("reaches").shown(progress) as shown:
         return _core.generate(
-            list(scenes),
+            scene_list(scenes),
             reaches,
             Path(out),
             seed=seed,

@@ -6,6 +6,8 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from ._errors import refused
+
 Progress = Callable[[int, int, str], object]
 
 _WIDTH = 30
@@ -35,6 +37,9 @@ class Bar:
     @contextmanager
     def shown(self, progress: Progress | bool) -> Iterator[Progress | None]:
         """What a call should report to: this bar for ``True``, nothing for ``False``, or else the given function."""
+        if progress and progress is not True and not callable(progress):
+            allowed = "True, False, or a function of done, total and text"
+            raise refused("progress", f"an object of type {type(progress).__name__}", allowed, "give one of them")
         try:
             yield self if progress is True else (progress or None)
         finally:

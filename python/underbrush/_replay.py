@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import os
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from . import _core, _export
@@ -42,7 +42,7 @@ def replay(
     source : Reach, Dataset or path
         A reach, a data set, or the path of a data set, a recording, a folder of recordings or a table of trials.
     reaches : list of int, optional
-        Numbers of the reaches; all by default.
+        Numbers of the reaches, from 0; all by default. One that is named twice is shown once.
     model : path, optional
         A model of trials or a touch model, whose verdicts are shown.
     patch : str, optional
@@ -55,7 +55,7 @@ def replay(
     """
     if patch is not None and model is None:
         raise refused("patch", "given without model", "only with it, because it is what the model judges", "leave it out")
-    numbers = None if reaches is None else list(reaches)
+    numbers = list(reaches) if isinstance(reaches, Iterable) else reaches
     judged = None if model is None else Path(model)
     if isinstance(source, _core.Reach):
         with tempfile.TemporaryDirectory() as folder:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from . import _core
-from ._errors import refused
+from ._errors import refused, whole
 from ._progress import Bar, Progress
 
 PathLike = str | os.PathLike[str]
@@ -136,5 +136,4 @@ def reproduce(
 
 def check_campaigns(campaigns: int) -> None:
     """Refuses a number of campaigns that no experiment can have."""
-    if not 1 <= campaigns <= 10_000:
-        raise refused("campaigns", f"{campaigns}", "1 to 10000", "use 1")
+    whole("campaigns", campaigns, 1, 10_000)

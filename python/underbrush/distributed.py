@@ -23,7 +23,8 @@ from typing import Any, TypedDict, cast
 from . import _core
 from ._benchmark import Track, entry, lasting
 from ._benchmark import benchmark as _benchmark
-from ._errors import InputError, refused
+from ._errors import InputError, whole
+from ._generate import scene_list
 from ._progress import Bar, Progress
 from ._study import check_campaigns
 from ._study import reproduce as _reproduce
@@ -108,9 +109,7 @@ def generate(
     ImportError
         If Ray is not installed and the set is not finished.
     """
-    if isinstance(scenes, (_core.Scene, str, os.PathLike)):
-        scenes = [scenes]
-    listed = [scene if isinstance(scene, _core.Scene) else _core.Scene(scene) for scene in scenes]
+    listed = [scene if isinstance(scene, _core.Scene) else _core.Scene(scene) for scene in scene_list(scenes)]
     options: dict[str, Any] = {
         "seed": seed,
         "controller": controller,
@@ -288,8 +287,8 @@ def _call(*, controller: ControllerLike | None, **given: Any) -> dict[str, Any]:
 def _claim(folder: Path, call: dict[str, Any], parts: int | None, default: int) -> int:
     """Takes a folder for the parts of a call, unless it holds finished parts of another one. Returns the number of
     parts: the given one, or else that of the parts that are there, or else the default."""
-    if parts is not None and parts < 1:
-        raise refused("parts", f"{parts}", "1 or more", "leave it out")
+    if parts is not None:
+        whole("parts", parts, 1)
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "call.json"
     if any(path.is_dir() and path.name.isdecimal() for path in folder.iterdir()):

@@ -106,10 +106,10 @@ class ReachEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         **options: Any,
     ) -> None:
         self.render_mode = _render_mode(render_mode)
-        self.metadata = _metadata(self.metadata, options)
         self._picture = _picture(width, height, camera)
         _refuse_unused(options)
         self._environments = _core.Environments(scene, 1, **options)
+        self.metadata = _metadata(self.metadata, options)
         self._parts = _Parts(self._environments)
         self.observation_space, self.action_space = _spaces(self._environments)
         self._begun, self._ended = False, True
@@ -224,11 +224,11 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArra
         **options: Any,
     ) -> None:
         self.render_mode = _render_mode(render_mode)
-        self.metadata = _metadata(self.metadata, options)
         self._picture = _picture(width, height, camera)
         self.num_envs = num_envs
         _refuse_unused(options)
         self._environments = _core.Environments(scene, num_envs, **options)
+        self.metadata = _metadata(self.metadata, options)
         self._begun = np.zeros(num_envs, bool)
         self._parts = _Parts(self._environments)
         self.single_observation_space, self.single_action_space = _spaces(self._environments)

@@ -417,11 +417,12 @@ def export(
     """
     path = Path(path)
     if not isinstance(reaches, _core.Reach):
+        found = _export.each(reaches)
         _export.make_folder(path)
         for other in _files(path):
             _core._check_free(other, force)
             other.unlink()
-        for number, reach in enumerate(_export.each(reaches)):
+        for number, reach in enumerate(found):
             export(reach, path / f"reach-{number:06}.mcap")
         return
     # Python may lose a Ctrl-C that comes while it imports a module.
@@ -473,6 +474,8 @@ def csv_of(
     columns = {"force": (topic, field)} | dict(channels or {})
     if "force" in (channels or {}) or "time" in columns:
         raise _fault(path, "channels", "a channel named force or time", "another name")
+    if other := [own for own in columns.values() if not isinstance(own, (tuple, list)) or len(own) != 2]:
+        raise _fault(path, "channels", repr(other[0]), "a pair of topic and field for each name")
     path = _log(Path(path))
     sizes = _sizes(path, columns)
     latest: dict[str, list[float] | list[str]] = {name: [""] * size for name, size in sizes.items()}
@@ -567,14 +570,19 @@ _PACKED_TYPES = {1: "<u1", 2: "<i1", 3: "<u2", 4: "<i2", 5: "<u4", 6: "<i4", 7: 
 def _numbers(path: object, message: Any, field: str) -> list[float]:
     """The numbers in a field of a message."""
     if isinstance(message, dict) and "cell_stride" in message:
-        own = next((own for own in message["fields"] if own["name"] == field), None)
-        if own is None:
-            raise _fault(path, "field", repr(field), ", ".join(own["name"] for own in message["fields"]))
-        columns, stride = message["column_count"], message["cell_stride"]
-        rows = np.frombuffer(base64.b64decode(message["data"]), np.uint8).reshape(-1, message["row_stride"])
-        cells = rows[:, : columns * stride].reshape(-1, stride)[:, own["offset"] :]
-        kind = np.dtype(_PACKED_TYPES[own["type"]])
-        return [float(number) for number in np.ascontiguousarray(cells[:, : kind.itemsize]).view(kind).ravel()]
+        try:
+            fields = {own["name"]: own for own in message["fields"]}
+            if field not in fields:
+                raise _fault(path, "field", repr(field), ", ".join(fields))
+            own, columns, stride = fields[field], message["column_count"], message["cell_stride"]
+            rows = np.frombuffer(base64.b64decode(message["data"]), np.uint8).reshape(-1, message["row_stride"])
+            cells = rows[:, : columns * stride].reshape(-1, stride)[:, own["offset"] :]
+            kind = np.dtype(_PACKED_TYPES[own["type"]])
+            return [float(number) for number in np.ascontiguousarray(cells[:, : kind.itemsize]).view(kind).ravel()]
+        except (KeyError, TypeError, ValueError) as error:
+            if isinstance(error, InputError):
+                raise
+            raise _fault(path, "field", f"{field!r} in a grid that cannot be read: {error!r}", "a foxglove.Grid") from error
     value = message
     for name in field.split("."):
         value = value.get(name) if isinstance(value, dict) else getattr(value, name, None)

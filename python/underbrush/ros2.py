@@ -228,7 +228,8 @@ def export(
 
 
 def _check_free(path: Path, force: bool) -> None:
-    """Refuses a path where something is already, unless it is a bag and ``force`` says that it may be removed."""
+    """Refuses a path where something is already, unless it is a bag and ``force`` says that it may be removed, and one within a data set."""
+    _core._check_free(path, True)
     if path.exists() and not (force and (path / "metadata.yaml").exists()):
         remedy = "choose another name" if force else "choose another name, or overwrite it with --force if it is a bag"
         raise InputError(f"{path}: exists already; {remedy}", file=str(path))
@@ -239,13 +240,14 @@ def _export_with(
 ) -> None:
     """Writes the bags of reaches with the URDF of each scene."""
     if not isinstance(reaches, _core.Reach):
+        found = _export.each(reaches)
         _export.make_folder(path)
         others = sorted(path.glob("reach-??????"))
         for other in others:
             _check_free(other, force)
         for other in others:
             shutil.rmtree(other)
-        for number, reach in enumerate(_export.each(reaches)):
+        for number, reach in enumerate(found):
             _export_with(urdf_of, reach, path / f"reach-{number:06}", force=False)
         return
     text = urdf_of(reaches)

@@ -133,8 +133,12 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
             self.__dict__.pop(name, None)
 
     def _fitted(self, sequences: list[Any], labels: NDArray[Any], groups: ArrayLike | None) -> Self:
-        check_classification_targets(labels)
-        classes = np.unique(labels)
+        try:
+            check_classification_targets(labels)
+            classes = np.unique(labels)
+        except TypeError:
+            kinds = ", ".join(sorted({type(label).__name__ for label in labels.tolist()}))
+            raise ValueError(f"y has labels of types that cannot be sorted: {kinds}; leave out trials whose label is missing") from None
         names = [_inside(label) for label in classes.tolist()]
         inside = dict(zip(classes.tolist(), names, strict=True))
         trials = _core.Trials.from_sequences(

@@ -1,6 +1,7 @@
 //! The reaches of data sets, recordings and tables of contact trials: a list, and one at a time.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -130,6 +131,15 @@ impl Source {
 
     fn new(known: ReplayContext, judging: Option<Judging>) -> Self {
         Source { datasets: Vec::new(), places: Vec::new(), reaches: Vec::new(), known, judging, has_warned: false }
+    }
+
+    /// The reaches with these numbers, each once; all reaches if there are no numbers.
+    pub fn chosen(&self, numbers: &[usize]) -> Vec<usize> {
+        if numbers.is_empty() {
+            return (0..self.reaches.len()).collect();
+        }
+        let mut seen = BTreeSet::new();
+        numbers.iter().copied().filter(|number| seen.insert(*number)).collect()
     }
 
     /// The recording of a reach.

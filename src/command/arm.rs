@@ -78,7 +78,7 @@ struct SkinOptions {
     #[arg(long, value_name = "LINK")]
     link: String,
     /// Distance between neighbouring taxels, mm
-    #[arg(long, value_name = "MM", value_parser = options::number(|_: &f64| true, "must be a length from 0.1 to 500 mm"))]
+    #[arg(long, value_name = "MM", value_parser = options::number(|_: &f64| true, "must be a length in mm"))]
     pitch_mm: f64,
     /// Name of the patch
     #[arg(long, value_name = "NAME")]

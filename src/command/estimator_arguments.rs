@@ -1,16 +1,17 @@
 //! Options that choose a classifier and how it is fitted; for every command that fits one.
 
 use clap::Args;
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde::Serialize;
 use underbrush_classifier::feature::{FEATURES, FeatureSet};
 use underbrush_classifier::fit_options::FitOptions;
 use underbrush_classifier::hmm::{InitialDistribution, Topology, TrainingOptions};
-use underbrush_classifier::recipe::{ITERATIONS, STATES};
+use underbrush_classifier::recipe::{ITERATIONS, SAMPLES, STATES, TOLERANCE, VARIANCE_FLOOR};
 use underbrush_classifier::registry::{self, CLASSIFIERS};
 use underbrush_classifier::{ClassifierKind, Estimator, Recipe};
 
-use crate::{Failure, options};
+use crate::Failure;
+use crate::options::{self, whole_within, within};
 
 /// Which classifier is fitted, and how.
 #[derive(Args, Clone, Debug)]
@@ -127,8 +128,8 @@ struct RecipeArguments {
     #[arg(long, value_parser = names(&Recipe::PRESETS))]
     recipe: Option<String>,
     /// Hidden states of each model [default: 10]
-    #[arg(long, value_name = "N", value_parser = options::whole(1..=STATES.max as u16))]
-    states: Option<u16>,
+    #[arg(long, value_name = "N", value_parser = whole_within(STATES))]
+    states: Option<u32>,
     /// Allowed transitions between states [default: left-right]
     #[arg(long, value_parser = names(&Topology::NAMED))]
     topology: Option<String>,
@@ -136,26 +137,22 @@ struct RecipeArguments {
     #[arg(long, value_parser = names(&InitialDistribution::NAMED))]
     initial: Option<String>,
     /// Maximum number of iterations of Baum-Welch [default: 500]
-    #[arg(long, value_name = "N", value_parser = options::whole(0..=ITERATIONS.max as usize))]
-    iterations: Option<usize>,
+    #[arg(long, value_name = "N", value_parser = whole_within(ITERATIONS))]
+    iterations: Option<u32>,
     /// Stop when the log-likelihood rises by less than this fraction; 0 runs all iterations [default: 0.0001]
-    #[arg(long, value_name = "X", value_parser = not_negative())]
+    #[arg(long, value_name = "X", value_parser = within(TOLERANCE))]
     tolerance: Option<f64>,
     /// Minimum variance of an emission; 0 for none [default: 0.0001]
-    #[arg(long, value_name = "X", value_parser = not_negative())]
+    #[arg(long, value_name = "X", value_parser = within(VARIANCE_FLOOR))]
     variance_floor: Option<f64>,
     /// Use only the first N samples of each trial
-    #[arg(long, value_name = "N", value_parser = options::whole(1..=u32::MAX))]
+    #[arg(long, value_name = "N", value_parser = whole_within(SAMPLES))]
     max_samples: Option<u32>,
 }
 
 /// The names of a list.
 fn names<T>(known: &'static [(&'static str, T)]) -> PossibleValuesParser {
     PossibleValuesParser::new(known.iter().map(|(name, _)| *name))
-}
-
-fn not_negative() -> impl TypedValueParser<Value = f64> {
-    options::number(|value: &f64| value.is_finite() && *value >= 0.0, "must be a number, zero or more")
 }
 
 #[cfg(test)]

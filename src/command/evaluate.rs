@@ -55,7 +55,7 @@ pub struct EvaluateOptions {
         long,
         default_value_t = Folds::COUNT,
         value_name = "N",
-        value_parser = number(|_: &usize| true, "must be a whole number, 2 or more")
+        value_parser = number(|_: &usize| true, "must be a number of folds, such as 2")
     )]
     folds: usize,
     /// How trials are grouped into folds [default: reach if every trial names its reach, else position; position with

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use underbrush_recording::InputError;
-use underbrush_recording::disk::{Dataset, check_free, check_not_input, check_writable, is_folder, is_there};
+use underbrush_recording::disk::{
+    Dataset, check_free, check_not_input, check_outside_sets, check_writable, is_folder, is_there,
+};
 
 use crate::{Failure, output};
 
@@ -22,13 +24,10 @@ impl Overwrite {
         if self.force { "the same command with --resume in place of --force" } else { "the same command with --resume" }
     }
 
-    /// Demands that the result can be written to this file: it is not one of the inputs, nor within a data set that is one,
-    /// nothing is there or it may be overwritten, and the parent folders are there or are created, and take a file.
+    /// Demands that the result can be written to this file: it is not one of the inputs, nor within a data set, nothing is
+    /// there or it may be overwritten, and the parent folders are there or are created, and take a file.
     pub fn file<'a>(self, path: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Failure> {
-        let inputs: Vec<&PathBuf> = inputs.into_iter().collect();
-        // `--force` replaces no data set with a file of another kind in it.
-        let sets = inputs.iter().copied().filter(|input| input.join("meta/info.json").exists());
-        check_outside(path, sets)?;
+        check_outside_sets(path)?;
         // Only then does a name with `..` lead to where it will lead, which may be an input.
         output::create_parents(path)?;
         check_not_input(path, inputs)?;

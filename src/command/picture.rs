@@ -34,7 +34,7 @@ pub struct PictureArguments {
         value_name = "S",
         requires = "still",
         conflicts_with_all = ["out", "video"],
-        value_parser = number(|_: &f64| true, "must be a time in s, 0 or more")
+        value_parser = number(|_: &f64| true, "must be a time in s")
     )]
     time: Option<f64>,
     /// Take the picture with this camera of the scene file. Recordings do not know their scene; data sets do
@@ -74,14 +74,10 @@ impl PictureArguments {
     /// been checked by [`PictureArguments::check`].
     pub fn run(&self, source: &Source, chosen: &[usize], json: bool) -> Result<bool, Failure> {
         let Some(path) = self.still.as_ref().or(self.video.as_ref()) else { return Ok(false) };
-        let reaches = source.reaches.len();
-        let number = match chosen {
-            [] if reaches == 1 => 0,
-            [one] => *one,
-            _ => {
-                let text = format!("a picture shows one reach; choose one of {reaches} with --reaches N, from 0");
-                return Err(Failure::usage(text));
-            }
+        let &[number] = chosen else {
+            let reaches = source.reaches.len();
+            let text = format!("a picture shows one reach; choose one of {reaches} with --reaches N, from 0");
+            return Err(Failure::usage(text));
         };
         let recording = source.recording(number)?;
         let camera = self.scene_camera(&recording.scene, source.scene_text(number))?;

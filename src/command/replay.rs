@@ -1,6 +1,5 @@
 //! `underbrush replay`: shows reaches in the browser, or draws them; and a reach that is shown while it is simulated.
 
-use std::collections::BTreeSet;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -87,9 +86,7 @@ pub struct ServerArguments {
 }
 
 /// Serves the page or writes it.
-pub fn run(mut options: ReplayOptions, json: bool) -> Result<(), Failure> {
-    let mut chosen = BTreeSet::new();
-    options.reaches.retain(|number| chosen.insert(*number));
+pub fn run(options: ReplayOptions, json: bool) -> Result<(), Failure> {
     if let Some(out) = &options.out {
         options.overwrite.file(out, options.inputs.iter().chain(&options.model))?;
     }
@@ -99,11 +96,12 @@ pub fn run(mut options: ReplayOptions, json: bool) -> Result<(), Failure> {
     options.picture.check(options.overwrite, &options.inputs)?;
     let judging = judging(&options)?;
     let source = Source::open(&with_recordings(&options.inputs)?, known(None), judging)?;
-    if options.picture.run(&source, &options.reaches, json)? {
+    let chosen = source.chosen(&options.reaches);
+    if options.picture.run(&source, &chosen, json)? {
         return Ok(());
     }
     match &options.out {
-        Some(path) => write(&source, &options.reaches, path, json),
+        Some(path) => write(&source, &chosen, path, json),
         None => serve(source, &options.server, json),
     }
 }
@@ -129,11 +127,9 @@ fn judging(options: &ReplayOptions) -> Result<Option<Judging>, Failure> {
 }
 
 fn write(source: &Source, chosen: &[usize], path: &Path, json: bool) -> Result<(), Failure> {
-    let all: Vec<usize> = (0..source.reaches.len()).collect();
-    let numbers = if chosen.is_empty() { &all } else { chosen };
-    let page = single_file(source, numbers, MAX_PAGE_BYTES)?;
+    let page = single_file(source, chosen, MAX_PAGE_BYTES)?;
     output::write_file(path, page.as_bytes())?;
-    let (reaches, bytes, path) = (numbers.len(), page.len(), path.display().to_string());
+    let (reaches, bytes, path) = (chosen.len(), page.len(), path.display().to_string());
     output::result(json, &json!({ "file": path, "reaches": reaches, "bytes": bytes }), || {
         let megabytes = bytes as f64 / 1e6;
         format!("{path}: {} in {megabytes:.1} MB", output::counted(reaches, "reach", "reaches"))

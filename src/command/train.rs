@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 use serde_json::json;
-use underbrush_classifier::evaluate::{ChosenThresholds, Folds, HeldOut, ThresholdError, ThresholdTargets};
+use underbrush_classifier::evaluate::{ChosenThresholds, Folds, HeldOut, ThresholdTargets};
 use underbrush_classifier::hmm::{Stop, TrainingHistory};
 use underbrush_classifier::{Classifier, Estimator, HmmClassifier, Model, Provenance, Rule, any_model, is_trained};
 use underbrush_experiments::model_data;
@@ -17,7 +17,7 @@ use underbrush_report::drawing::Rows;
 use super::touch::{self, RiskArguments, SimulatedArguments};
 use super::{EstimatorArguments, Overwrite};
 use crate::input::{self, TrialInput};
-use crate::options::{TrialArguments, number};
+use crate::options::{TrialArguments, checked};
 use crate::{Failure, output};
 
 /// Options of `underbrush train`.
@@ -55,7 +55,7 @@ pub struct TrainOptions {
         long,
         value_name = "X",
         conflicts_with = "start",
-        value_parser = number(|_: &f64| true, "must be a number above 0 and below 1")
+        value_parser = checked(ThresholdTargets::check_rate)
     )]
     false_positive_rate: Option<f64>,
     /// With --false-positive-rate: the expected fraction of contacts that are outliers. Thresholds are chosen so that
@@ -66,7 +66,7 @@ pub struct TrainOptions {
         default_value_t = ThresholdTargets::OUTLIER_PRIOR,
         requires = "false_positive_rate",
         conflicts_with = "start",
-        value_parser = number(|_: &f64| true, "must be a number from 0 to below 0.5")
+        value_parser = checked(ThresholdTargets::check_prior)
     )]
     outlier_prior: f64,
     #[command(flatten)]
@@ -202,11 +202,7 @@ fn thresholds(
     let targets = ThresholdTargets { false_positive_rate, outlier_prior: options.outlier_prior };
     let held_out = HeldOut::of(trials, estimator, Folds::for_thresholds(trials));
     let held_out = held_out.map_err(|error| Failure::from(error).about(path))?;
-    let chosen = held_out.choose_thresholds(targets).map_err(|error| match error {
-        // In this case the option is at fault, not the trials.
-        ThresholdError::BadTarget { .. } => error.into(),
-        _ => Failure::from(error).about(path),
-    })?;
+    let chosen = held_out.choose_thresholds(targets).map_err(|error| Failure::from(error).about(path))?;
     chosen.warn_of_little_use();
     Ok(Some(chosen))
 }

@@ -23,7 +23,7 @@ pub struct DecisionArguments {
         long,
         alias = "lead",
         value_name = "NATS",
-        value_parser = options::number(|_: &f64| true, "must be a number of nats, 0 or more")
+        value_parser = options::number(|_: &f64| true, "must be a number of nats")
     )]
     margin: Option<f64>,
     /// Prior of a category, such as leaf=0.7 [default: the model's own priors, or equal ones if it has none]

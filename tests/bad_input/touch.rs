@@ -144,8 +144,8 @@ fn options_that_do_not_apply() {
         let parts = [option, "applies to the classifier touch only", "leave it out"];
         run(&["classify", &trials_text, &set_text], &[option, "0.5"]).refused(&parts);
         run(&["evaluate", &set_text], &[option, "0.5"]).refused(&parts);
-        run(&classify, &[option, "1.5"]).refused(&[option, "a number from 0 to 1"]);
-        run(&classify, &[option, "nan"]).refused(&[option, "a number from 0 to 1"]);
+        run(&classify, &[option, "1.5"]).refused(&[option, "a number: 0 to 1"]);
+        run(&classify, &[option, "nan"]).refused(&[option, "a number: 0 to 1"]);
     }
     let two = underbrush!["train", set, set, "--out", out];
     two.refused(&["2 inputs", "only the classifier touch takes several"]);

@@ -83,15 +83,20 @@ fn an_input_is_recognized_behind_a_new_folder() {
     underbrush!["trials", table, "--out", out, "--force"].refused(&["an input of this command"]);
 }
 
-/// Tests that no file is written into a data set that is an input, nor a folder for it.
+/// Tests that no file is written into a data set, nor a folder for it, whether or not the set is an input.
 #[test]
-fn nothing_is_written_into_an_input_set() {
+fn nothing_is_written_into_a_set() {
     let folder = tempfile::tempdir().unwrap();
     let set = folder.path().join("set");
     copy_tree(&fixture().dataset(), &set);
     let before = tree(&set);
-    underbrush!["trials", set, "--out", set.join("trials.csv")].refused(&["an input of this command"]);
-    underbrush!["replay", set, "--out", set.join("new/page.html")].refused(&["an input of this command"]);
+    for (command, input, out) in [
+        ("trials", &set, "trials.csv"),
+        ("replay", &set, "new/page.html"),
+        ("trials", &fixture().table_csv(), "new/trials.csv"),
+    ] {
+        underbrush![command, input, "--out", set.join(out)].refused(&["within the data set", "choose another folder"]);
+    }
     assert!(before == tree(&set) && !set.join("new").exists());
 }
 

@@ -224,7 +224,7 @@ fn a_part_of_no_parts_is_refused() {
     let of_none = |plan: &mut DatasetPlan| plan.provenance.shard = Some(Shard { index: 0, count: 0 });
     altered(&fixture().dataset(), &part, of_none, |_, _| {});
     let call = underbrush!["generate", "--from", part, "--out", folder.path().join("none")];
-    call.refused(&["provenance.json", "shard.index: found 0", "a number below 0"]);
+    call.refused(&["provenance.json", "shard: found index 0, count 0", "an index below the count"]);
 }
 
 /// Tests that a set that says to be of more reaches than any campaign has is refused before the reaches are listed, which would fill

@@ -106,7 +106,7 @@ fn continued_training_drops_thresholds_with_a_warning() {
 }
 
 /// Tests that a rate that is too small for the number of trials is refused with the number that it takes, and that a
-/// rate of 0 is refused.
+/// rate of 0 and a prior of a half are refused with their ranges.
 #[test]
 fn rates_that_the_data_cannot_hold_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -114,7 +114,10 @@ fn rates_that_the_data_cannot_hold_are_refused() {
     let train =
         |rate: &str| underbrush!["train", table_csv, "--out", out, "--states", "2", "--false-positive-rate", rate];
     train("1e-6").refused(&["999999", "held-out trials"]);
-    train("0").refused(&["error: the false-positive rate is 0", "above 0"]);
+    train("0").refused(&["--false-positive-rate", "must be above 0 and below 1"]);
+    let often = ["--false-positive-rate", "0.3", "--outlier-prior", "0.5"];
+    let train = underbrush!["train", table_csv, "--out", out, often[0], often[1], often[2], often[3]];
+    train.refused(&["--outlier-prior", "must be at least 0 and below 0.5"]);
     assert!(!out.exists());
 }
 

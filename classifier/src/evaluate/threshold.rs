@@ -56,6 +56,29 @@ pub struct ThresholdTargets {
 impl ThresholdTargets {
     /// The expected fraction of outliers if it is not given. Choice: one in twenty.
     pub const OUTLIER_PRIOR: f64 = 0.05;
+
+    /// Checks a false-positive rate.
+    ///
+    /// # Errors
+    /// [`ValueFault`] with what is allowed.
+    pub fn check_rate(false_positive_rate: f64) -> Result<(), ValueFault> {
+        if false_positive_rate > 0.0 && false_positive_rate < 1.0 {
+            return Ok(());
+        }
+        Err(ValueFault::new("the false-positive rate", false_positive_rate.to_string(), "above 0 and below 1"))
+    }
+
+    /// Checks an expected fraction of outliers.
+    ///
+    /// # Errors
+    /// [`ValueFault`] with what is allowed.
+    pub fn check_prior(outlier_prior: f64) -> Result<(), ValueFault> {
+        if (0.0..0.5).contains(&outlier_prior) {
+            return Ok(());
+        }
+        let allowed = "at least 0 and below 0.5; something met more often is not an outlier but a category to train";
+        Err(ValueFault::new("the outlier prior", outlier_prior.to_string(), allowed))
+    }
 }
 
 /// Thresholds, and their effect on the held-out trials on which they were chosen.
@@ -147,7 +170,8 @@ pub enum ThresholdError {
 /// # Errors
 /// [`ThresholdError`] if a rate is out of range, or the data cannot satisfy the rates.
 pub fn choose_thresholds(held_out: &Evaluation, targets: ThresholdTargets) -> Result<ChosenThresholds, ThresholdError> {
-    check(targets)?;
+    ThresholdTargets::check_rate(targets.false_positive_rate)?;
+    ThresholdTargets::check_prior(targets.outlier_prior)?;
     let categories = held_out.known_categories();
     let judge = Decision::argmax().prepare(categories)?;
     let margins = held_out.predictions.iter().map(|prediction| {
@@ -173,19 +197,6 @@ pub fn choose_thresholds(held_out: &Evaluation, targets: ThresholdTargets) -> Re
         outlier: rates.outlier,
         sample_by_sample: None,
     })
-}
-
-fn check(targets: ThresholdTargets) -> Result<(), ValueFault> {
-    let ThresholdTargets { false_positive_rate, outlier_prior } = targets;
-    if !(false_positive_rate > 0.0 && false_positive_rate < 1.0) {
-        let found = false_positive_rate.to_string();
-        return Err(ValueFault::new("the false-positive rate", found, "above 0 and below 1"));
-    }
-    if !(0.0..0.5).contains(&outlier_prior) {
-        let allowed = "at least 0 and below 0.5; something met more often is not an outlier but a category to train";
-        return Err(ValueFault::new("the outlier prior", outlier_prior.to_string(), allowed));
-    }
-    Ok(())
 }
 
 /// A held-out trial: its category, the best category and its margin, nats.

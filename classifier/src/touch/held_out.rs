@@ -103,14 +103,23 @@ pub(super) fn lapses(regions: &[&Judged], sharpness: f64) -> Vec<Lapse> {
     regions.iter().filter_map(lapse).collect()
 }
 
-/// Checks that an allowed share of wrong verdicts is between 0 and 1, and that there are enough reaches for it.
+/// Checks that an allowed share of wrong verdicts is between 0 and 1.
+///
+/// # Errors
+/// [`ValueFault`] with what is allowed.
+pub fn check_limit(share: f64) -> Result<(), ValueFault> {
+    if share > 0.0 && share < 1.0 {
+        return Ok(());
+    }
+    Err(ValueFault::new("limit_wrong", share.to_string(), "a share above 0 and below 1"))
+}
+
+/// As [`check_limit`], and that there are enough reaches for the share.
 ///
 /// # Errors
 /// [`ModelError::BadOption`] for a share that is not between 0 and 1, and [`ModelError::FewReaches`] for too few reaches.
 pub fn check_share(share: f64, reaches: usize) -> Result<(), ModelError> {
-    if !(share > 0.0 && share < 1.0) {
-        return Err(ValueFault::new("limit_wrong", share.to_string(), "a share above 0 and below 1").into());
-    }
+    check_limit(share)?;
     let needed = (1.0 / share - 1.0).ceil() as usize;
     if reaches < needed {
         return Err(ModelError::FewReaches { reaches, needed, share });

@@ -35,7 +35,7 @@ mod training_rows;
 pub use contact_history::{Course, Measure, REGION_FEATURE_COUNT, REGION_FEATURES};
 pub use decision::{TouchDecision, TouchVerdict};
 pub use frame::{SkinTracker, TAXEL_FEATURE_COUNT, TaxelCourse, TouchOptions};
-pub use held_out::check_share;
+pub use held_out::{check_limit, check_share};
 pub use model::{TOUCH_FORMAT, TouchModel};
 pub(crate) use object::{Followed, Votes, strongest, true_stiffness_n_per_m};
 pub use object::{

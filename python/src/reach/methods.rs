@@ -15,16 +15,33 @@ use underbrush_render::Stage;
 
 use super::{Reach, Source};
 use crate::{
-    Answer, Column, Failure, PyCamera, PyFrame, PyTable, Skin, Trials, alone, given, json, patch_index, picture, place,
-    pool,
+    Answer, Column, Failure, PyCamera, PyFrame, PyTable, Skin, Trials, alone, argument, given, json, patch_index,
+    picture, place, pool,
 };
 
 impl Reach {
-    /// The column of a patch.
-    fn of_patch<'py>(&self, py: Python<'py>, prefix: &str, patch: Option<&str>, dtype: &str) -> Answer<'py> {
+    /// The array of a column. Every call returns the same one.
+    fn array<'py>(&self, py: Python<'py>, name: &str, single: Option<bool>) -> Answer<'py> {
+        let known = self.columns.get_or_init(py, || PyDict::new(py).unbind()).bind(py);
+        if let Some(array) = known.get_item((name, single))? {
+            return Ok(array);
+        }
+        let array = pool::detached(py, None, || self.read_column(name, single))?.lend(py)?;
+        // Another thread may have made the same array meanwhile: both then get the one that was stored first.
+        Ok(known.call_method1("setdefault", ((name, single), array))?)
+    }
+
+    /// The column of a patch, in single precision if no other is given.
+    fn of_patch<'py>(
+        &self,
+        py: Python<'py>,
+        prefix: &str,
+        patch: Option<&str>,
+        dtype: Option<&Bound<'py, PyAny>>,
+    ) -> Answer<'py> {
         let layout = self.skin_layout();
         let patch = &layout.patches[patch_index(&layout, patch)?].name;
-        self.column(py, &format!("{prefix}.{patch}"), Some(dtype))
+        self.array(py, &format!("{prefix}.{patch}"), Some(dtype.map_or(Ok(true), Column::is_single)?))
     }
 }
 
@@ -70,15 +87,8 @@ impl Reach {
 
     /// A column of the frames as an array, read only: (frames,) or (frames, width). Every call returns the same array.
     #[pyo3(signature = (name, dtype = None))]
-    fn column<'py>(&self, py: Python<'py>, name: &str, dtype: Option<&str>) -> Answer<'py> {
-        let single = dtype.map(Column::is_single).transpose()?;
-        let known = self.columns.get_or_init(py, || PyDict::new(py).unbind()).bind(py);
-        if let Some(array) = known.get_item((name, single))? {
-            return Ok(array);
-        }
-        let array = pool::detached(py, None, || self.read_column(name, single))?.lend(py)?;
-        // Another thread may have made the same array meanwhile: both then get the one that was stored first.
-        Ok(known.call_method1("setdefault", ((name, single), array))?)
+    fn column<'py>(&self, py: Python<'py>, name: &str, dtype: Option<&Bound<'py, PyAny>>) -> Answer<'py> {
+        self.array(py, name, dtype.map(Column::is_single).transpose()?)
     }
 
     /// Names of the columns. `column` reads those of numbers; lists, such as `truth.contact_points`, are in `frames` alone.
@@ -106,14 +116,24 @@ impl Reach {
     }
 
     /// What each taxel of a patch senses, N: (frames, taxels).
-    #[pyo3(signature = (patch = None, dtype = "float32"))]
-    fn sensed_force_n<'py>(&self, py: Python<'py>, patch: Option<&str>, dtype: &str) -> Answer<'py> {
+    #[pyo3(signature = (patch = None, dtype = None), text_signature = "($self, patch=None, dtype='float32')")]
+    fn sensed_force_n<'py>(
+        &self,
+        py: Python<'py>,
+        patch: Option<&str>,
+        dtype: Option<&Bound<'py, PyAny>>,
+    ) -> Answer<'py> {
         self.of_patch(py, "observation.tactile", patch, dtype)
     }
 
     /// Ground truth: the normal force on each taxel of a patch before the sensor, N: (frames, taxels).
-    #[pyo3(signature = (patch = None, dtype = "float32"))]
-    fn true_normal_force_n<'py>(&self, py: Python<'py>, patch: Option<&str>, dtype: &str) -> Answer<'py> {
+    #[pyo3(signature = (patch = None, dtype = None), text_signature = "($self, patch=None, dtype='float32')")]
+    fn true_normal_force_n<'py>(
+        &self,
+        py: Python<'py>,
+        patch: Option<&str>,
+        dtype: Option<&Bound<'py, PyAny>>,
+    ) -> Answer<'py> {
         self.of_patch(py, "truth.normal_force", patch, dtype)
     }
 
@@ -124,9 +144,9 @@ impl Reach {
     fn render<'py>(
         &self,
         py: Python<'py>,
-        frames: Vec<usize>,
-        width: usize,
-        height: usize,
+        #[pyo3(from_py_with = argument::frames)] frames: Vec<usize>,
+        #[pyo3(from_py_with = argument::width)] width: usize,
+        #[pyo3(from_py_with = argument::height)] height: usize,
         camera: Option<&PyCamera>,
         kind: &str,
         arrows: bool,
@@ -137,7 +157,7 @@ impl Reach {
 
     /// Draw a frame, or else the first of those in which the most taxels read a force, with arrows of the forces.
     #[pyo3(signature = (frame = None))]
-    fn draw<'py>(&self, py: Python<'py>, frame: Option<usize>) -> Answer<'py> {
+    fn draw<'py>(&self, py: Python<'py>, #[pyo3(from_py_with = argument::frame)] frame: Option<usize>) -> Answer<'py> {
         Ok(picture::shown(py, alone(py, || picture::png_of(&*self.recording()?, frame, self.limit_n()))?)?)
     }
 

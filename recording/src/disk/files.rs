@@ -43,16 +43,30 @@ pub(super) fn open_input(path: &Path) -> Result<File> {
     Ok(open_regular(path, "a readable file", "check the path")?)
 }
 
-/// Refuses a path where something is already, unless `force` says that it may be overwritten.
+/// Refuses a path where something is already, unless `force` says that it may be overwritten, and one within a data set.
 ///
 /// # Errors
 /// [`DiskError::Input`] that names the remedy; [`DiskError::Io`] if the operating system cannot tell.
 pub fn check_free(path: &Path, force: bool) -> Result<(), DiskError> {
+    check_outside_sets(path)?;
     if force || !is_there(path)? {
         return Ok(());
     }
     let remedy = "choose another name, or overwrite it with --force";
     Err(InputError::new(path, "output", "what exists already", "a new file", remedy).into())
+}
+
+/// Refuses an output within a data set: `--force` replaces no set with a file of another kind in it.
+///
+/// # Errors
+/// [`DiskError::Input`] that names the set.
+pub fn check_outside_sets(out: &Path) -> Result<(), DiskError> {
+    let whole = std::path::absolute(out).unwrap_or_else(|_| out.to_path_buf());
+    // What is there of it: `..` may lead out of a set.
+    let there = whole.ancestors().find_map(|around| fs::canonicalize(around).ok()).unwrap_or_default();
+    let Some(set) = there.ancestors().find(|around| around.join("meta/info.json").exists()) else { return Ok(()) };
+    let found = format!("a place within the data set {}", set.display());
+    Err(InputError::new(out, "output", found, "a place outside of data sets", "choose another folder").into())
 }
 
 /// Demands that a file can be written here. Otherwise this would be found out only after the work.

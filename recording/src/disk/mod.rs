@@ -30,7 +30,9 @@ pub use dataset::{
 };
 pub use error::DiskError;
 pub(crate) use error::Result;
-pub use files::{check_free, check_not_input, check_writable, is_folder, is_there, remove_if_there, write_file};
+pub use files::{
+    check_free, check_not_input, check_outside_sets, check_writable, is_folder, is_there, remove_if_there, write_file,
+};
 pub use recording_file::{
     is_recording, read_recording, recording_columns, recording_header, recording_table, recordings_in, with_recordings,
     write_recording,

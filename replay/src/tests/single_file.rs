@@ -30,6 +30,15 @@ fn a_single_file_holds_the_packed_reaches() {
     assert_eq!((&list[0]["number"], &list[0]["reach_index"]), (&0.into(), &1.into()));
 }
 
+/// Tests that a reach that is named twice is chosen once, and that all are if none is named.
+#[test]
+fn each_reach_is_chosen_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = source(folder.path());
+    assert_eq!(source.chosen(&[1, 0, 1]), [1, 0]);
+    assert_eq!(source.chosen(&[]), (0..source.reaches.len()).collect::<Vec<_>>());
+}
+
 /// Tests that a file that no browser could open is refused, with the number of reaches that would fit.
 #[test]
 fn a_file_that_is_too_large_is_refused() {

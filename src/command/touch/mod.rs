@@ -7,20 +7,20 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use clap::builder::TypedValueParser;
 use serde::Serialize;
 use serde_json::json;
 use underbrush_classifier::ModelError;
 use underbrush_classifier::evaluate::EvaluateError;
 use underbrush_classifier::evaluate::touch_folds::{add_auxiliary, cross_validate_touch, judge_touch, touch_examples};
-use underbrush_classifier::touch::{TouchDecision, TouchExamples, TouchModel, TouchOptions};
+use underbrush_classifier::touch::{TouchDecision, TouchExamples, TouchModel, TouchOptions, check_limit};
 use underbrush_experiments::dataset::{Campaign, REACHES};
 use underbrush_experiments::model_data;
 use underbrush_recording::disk::{UnfinishedFolder, with_recordings};
+use underbrush_recording::limits::SHARE;
 use underbrush_sim::scene::{Scene, shipped_by_name};
 
 use crate::input::{self, Reaches};
-use crate::options::{self, number, whole};
+use crate::options::{self, checked, whole, within};
 use crate::{Failure, Shown, output};
 
 /// How probabilities become verdicts. Options that are not given stay as in the model.
@@ -28,23 +28,19 @@ use crate::{Failure, Shown, output};
 pub struct TouchDecisionArguments {
     /// Call a reading nothing if the probability that nothing presses on the taxel is above this [default: as chosen in
     /// training, so that few true contacts are lost]
-    #[arg(long, value_name = "P", value_parser = share())]
+    #[arg(long, value_name = "P", value_parser = within(SHARE))]
     nothing_above: Option<f64>,
     /// Call an object unknown if at most this share of the known objects of each category is as unusual. So this is the share
     /// of known objects that are wrongly called unknown. In the first 0.6 s of an object, a fifth of this share counts. 1 calls
     /// everything unknown, and shares below 0.001 are not distinguished. A model that was trained on few known objects needs a
     /// larger share to call anything unknown, and one that was trained without --auxiliary needs 1 [default: as in the model,
     /// 0.05 after training]
-    #[arg(long, value_name = "P", value_parser = share())]
+    #[arg(long, value_name = "P", value_parser = within(SHARE))]
     unknown_share: Option<f64>,
     /// Cost of an uncertain verdict, as a fraction of the cost of a wrong category. A category is named if its probability
     /// is above 1 minus this cost [default: as in the model, 0.3 after training]
-    #[arg(long, value_name = "COST", value_parser = share())]
+    #[arg(long, value_name = "COST", value_parser = within(SHARE))]
     pub cost_of_uncertain: Option<f64>,
-}
-
-fn share() -> impl TypedValueParser<Value = f64> {
-    number(|value: &f64| (0.0..=1.0).contains(value), "must be a number from 0 to 1")
 }
 
 impl TouchDecisionArguments {
@@ -69,7 +65,7 @@ impl TouchDecisionArguments {
 pub struct RiskArguments {
     /// Choose the cost of an uncertain verdict so that on average over new reaches at most this share of the taxel frames
     /// of a reach gets a wrong category. A share of 0.05 needs 19 reaches or more, 0.01 needs 99
-    #[arg(long, value_name = "SHARE", value_parser = number(|share: &f64| *share > 0.0 && *share < 1.0, "must be a number above 0 and below 1"))]
+    #[arg(long, value_name = "SHARE", value_parser = checked(check_limit))]
     pub limit_wrong: Option<f64>,
 }
 

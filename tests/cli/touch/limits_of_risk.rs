@@ -4,7 +4,7 @@ use super::{TRAINED, read};
 use crate::support::fixture::fixture;
 use crate::support::underbrush;
 
-/// Tests that limits of risk choose the decision that is stored, that a limit is refused if it is too small for the
+/// Tests that limits of risk choose the decision that is stored, that a limit is refused if it is no share or too small for the
 /// number of reaches, and that limits are refused where they would be ignored or contradict another option.
 #[test]
 fn limits_of_risk_choose_the_decision() {
@@ -13,6 +13,7 @@ fn limits_of_risk_choose_the_decision() {
     let data = fixture().dataset();
     let train =
         |limit: &str| underbrush!["train", data, "--classifier", "touch", "--limit-wrong", limit, "--out", model];
+    train("1").refused(&["--limit-wrong", "must be a share above 0 and below 1"]);
     train("0.05").refused(&["6 reaches cannot show that at most 0.05", "19 reaches or more"]);
     assert!(!model.exists());
     // Three of the six reaches are in each fold.
