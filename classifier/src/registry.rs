@@ -20,6 +20,9 @@ pub const CLASSIFIERS: [&ClassifierKind; 9 + cfg!(test) as usize] = [
     &nearest_mean::KIND,
 ];
 
+/// The largest force alone: the baseline that a classifier of contacts must beat.
+pub const PEAK_FORCE: &ClassifierKind = &naive_bayes::PEAK_KIND;
+
 /// The kind of classifier with this name or alias.
 ///
 /// ```

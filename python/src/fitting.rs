@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
 use underbrush_classifier::evaluate::{
-    Evaluation, EvaluationReport, FoldBy, Folds, HeldOut, ThresholdTargets, accuracy_by_samples, cross_validate,
-    evaluate, warn_of_left_out,
+    Compared, Evaluation, EvaluationReport, FoldBy, Folds, HeldOut, ThresholdTargets, accuracy_by_samples,
+    cross_validate, evaluate, warn_of_left_out,
 };
 use underbrush_classifier::fit_options::FitOptions;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
@@ -212,7 +212,8 @@ pub fn evaluate_trials<'py>(
             warn_of_left_out(list);
             let evaluation = cross_validate(list, &*estimator, own, &decision)?;
             let series = by_samples.then(|| accuracy_by_samples(list, &*estimator, own, 1)).transpose()?;
-            Ok(EvaluationReport { folds: Some(own), by_samples: series, ..evaluation.into() })
+            let baseline = Compared::of_peak_force(list, own);
+            Ok(EvaluationReport { folds: Some(own), by_samples: series, baseline, ..evaluation.into() })
         }
     });
     json::to_python(py, &judged?)

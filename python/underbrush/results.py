@@ -167,6 +167,7 @@ class Evaluation(TypedDict):
     confusion: dict[str, Any]
     by_samples: NotRequired[list[dict[str, Any]]]
     folds: NotRequired[dict[str, Any]]
+    baseline: NotRequired[dict[str, Any]]
     predictions: list[Prediction]
     training: NotRequired[list[dict[str, Any]]]
 
@@ -209,8 +210,10 @@ class UnknownObjects(TypedDict):
     false_alarm_interval: Interval | None
     unknown_contacts: int
     found_contacts: int
+    found_contacts_interval: Interval | None
     known_contacts: int
     false_alarm_contacts: int
+    false_alarm_contacts_interval: Interval | None
     roc_area: float | None
 
 

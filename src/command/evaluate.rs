@@ -27,7 +27,8 @@ use crate::{Failure, output};
 const ADVICE: &str = "\
 By default, all classifiers are compared on the same folds, the best first. The details below the comparison are those of the \
 paper's hidden Markov models. peak-force uses the largest force alone, so it is the baseline. --features gives all classifiers the \
-same features. With --classifier, --model, --train, --decision paper or an option about fitting, only one classifier is evaluated.
+same features. With --classifier, --model, --train, --decision paper or an option about fitting, only one classifier is evaluated. If it \
+is cross-validated, peak-force on the same folds stands below it.
 
 By default, trials of any length are used, their labels are the objects that truly pressed, and folds are grouped by reach if every \
 trial names its reach. Trials of one reach resemble each other, so grouping by position overestimates the accuracy. \
@@ -175,7 +176,9 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     let is_paper = matches!(decision.rule, Rule::OutlierBand { .. });
     let compared = folds.filter(|_| options.estimator.is_open() && !is_paper);
     let comparison = compared.map(|folds| compare(trials, folds, &decision, options.estimator.features, &evaluation));
-    let results = EvaluationReport { folds, evaluation, by_samples, by_samples_of_all, comparison };
+    let baseline = folds.filter(|_| comparison.is_none());
+    let baseline = baseline.and_then(|folds| Compared::of_peak_force(trials, folds));
+    let results = EvaluationReport { folds, evaluation, by_samples, by_samples_of_all, comparison, baseline };
     output::result(json, &results, || text::of(&results))
 }
 
@@ -202,11 +205,8 @@ fn compare(
             })
         });
         let own = own.transpose().map_err(|error| format!("not compared: {}: {error}", kind.name))?;
-        let evaluation = own.as_ref().unwrap_or(first);
-        let accuracy =
-            evaluation.confusion.accuracy().ok_or_else(|| format!("not compared: {}: no trial", kind.name))?;
-        let interval_by_reach = evaluation.accuracy_interval_by_reach;
-        Ok(Compared { classifier: kind.name, features, accuracy, interval_by_reach })
+        let compared = Compared::of(kind.name, features, own.as_ref().unwrap_or(first));
+        compared.ok_or_else(|| format!("not compared: {}: no trial", kind.name))
     });
     let judged: Vec<Result<Compared, String>> = judged.collect();
     let mut compared: Vec<Compared> = judged.into_iter().filter_map(|own| own.map_err(output::remark).ok()).collect();

@@ -57,9 +57,9 @@ fn an_experiment_with_another_arm_and_three_categories_runs() {
     let matrix = &summary["figure_7"];
     let truths: Vec<&str> = matrix["truth"].as_array().unwrap().iter().map(|own| own.as_str().unwrap()).collect();
     assert_eq!(truths, ["foam roll", "leaf", "trunk"]);
-    assert_eq!(summary["classifiers"].as_array().unwrap().len(), 3);
-    // One classifier, trained and tested at two settings.
-    assert_eq!(summary["splits"].as_array().unwrap().len(), 4);
+    assert_eq!(summary["classifiers"].as_array().unwrap().len(), 4);
+    // Two classifiers, trained and tested at two settings.
+    assert_eq!(summary["splits"].as_array().unwrap().len(), 8);
     assert_eq!(summary["figure_11"].as_array().unwrap().len(), 0);
     let page = std::fs::read_to_string(out.join("report/index.html")).unwrap();
     assert!(page.contains("foam roll") && !page.contains("In the paper") && !page.contains("NaN"), "{page}");

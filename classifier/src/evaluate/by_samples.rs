@@ -6,8 +6,9 @@ use underbrush_recording::Trial;
 
 use super::{
     Accuracy, AccuracyByTouch, ConfusionMatrix, EvaluateError, Evaluation, Folds, Interval, Prediction, Record,
-    across_folds, bootstrap_by_reach,
+    across_folds, bootstrap_by_reach, cross_validate,
 };
+use crate::registry::PEAK_FORCE;
 use crate::{Decision, Estimator, FeatureSet};
 
 pub use crate::stream_feature::SAMPLE_COUNTS;
@@ -108,6 +109,18 @@ pub struct EvaluationReport {
     /// chosen.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub comparison: Option<Vec<Compared>>,
+    /// The largest force alone on the same folds ([`peak_force`]), if one classifier is cross-validated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub baseline: Option<Compared>,
+}
+
+/// Cross-validates the largest force alone, the baseline of all classifiers. Its verdict is always the likeliest category, because
+/// thresholds for the margins of other classifiers do not fit its own.
+///
+/// # Errors
+/// As [`cross_validate`].
+pub fn peak_force(trials: &[Trial], folds: Folds) -> Result<Evaluation, EvaluateError> {
+    cross_validate(trials, (PEAK_FORCE.estimator)(None).as_ref(), folds, &Decision::argmax())
 }
 
 /// A classifier among others.
@@ -125,10 +138,32 @@ pub struct Compared {
     pub interval_by_reach: Option<Interval>,
 }
 
+impl Compared {
+    /// The figures of an evaluation; `None` without trials.
+    pub fn of(classifier: &'static str, features: Option<FeatureSet>, evaluation: &Evaluation) -> Option<Self> {
+        let accuracy = evaluation.confusion.accuracy()?;
+        Some(Compared { classifier, features, accuracy, interval_by_reach: evaluation.accuracy_interval_by_reach })
+    }
+
+    /// The figures of [`peak_force`]; `None`, and a warning, if it cannot be fitted.
+    pub fn of_peak_force(trials: &[Trial], folds: Folds) -> Option<Self> {
+        let evaluation = peak_force(trials, folds);
+        let evaluation = evaluation.inspect_err(|error| log::warn!("not compared: {}: {error}", PEAK_FORCE.name));
+        Compared::of(PEAK_FORCE.name, None, &evaluation.ok()?)
+    }
+}
+
 impl From<Evaluation> for EvaluationReport {
     /// Without cross-validation.
     fn from(evaluation: Evaluation) -> Self {
-        EvaluationReport { folds: None, evaluation, by_samples: None, by_samples_of_all: None, comparison: None }
+        EvaluationReport {
+            folds: None,
+            evaluation,
+            by_samples: None,
+            by_samples_of_all: None,
+            comparison: None,
+            baseline: None,
+        }
     }
 }
 

@@ -7,6 +7,8 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use underbrush_recording::math;
 
+use super::tally::{mean, share};
+
 /// A 95 % confidence interval of a fraction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
@@ -51,26 +53,39 @@ pub fn wilson(successes: usize, trials: usize) -> Interval {
 /// of them count, they say nothing about other reaches. The interval is then that of [`wilson`] for as many trials as there are
 /// reaches. With few reaches the interval is too narrow. `None` if a thing is in no reach or there are fewer than two reaches.
 pub fn bootstrap_by_reach(things: impl IntoIterator<Item = (Option<u64>, bool)>) -> Option<Interval> {
-    let mut reaches: BTreeMap<u64, (usize, usize)> = BTreeMap::new();
-    for (reach, counts) in things {
-        let (correct, count) = reaches.entry(reach?).or_default();
-        *correct += usize::from(counts);
-        *count += 1;
+    balanced_by_reach(things.into_iter().map(|(reach, counts)| (reach, 0, counts)))
+}
+
+/// As [`bootstrap_by_reach`], of the mean of the shares of several classes. Each thing has its reach, its class and whether it counts.
+/// A class that is missing from a resample is left out of its mean.
+pub(super) fn balanced_by_reach(things: impl IntoIterator<Item = (Option<u64>, usize, bool)>) -> Option<Interval> {
+    // By reach and class, how many things count, and how many there are.
+    let mut reaches: BTreeMap<u64, Vec<[usize; 2]>> = BTreeMap::new();
+    let mut classes = 0;
+    for (reach, class, counts) in things {
+        let own = reaches.entry(reach?).or_default();
+        classes = classes.max(class + 1);
+        own.resize(own.len().max(class + 1), [0; 2]);
+        own[class][0] += usize::from(counts);
+        own[class][1] += 1;
     }
-    let reaches: Vec<(usize, usize)> = reaches.into_values().collect();
+    let reaches: Vec<Vec<[usize; 2]>> = reaches.into_values().collect();
     if reaches.len() < 2 {
         return None;
     }
     let mut rng = ChaCha8Rng::seed_from_u64(0);
     let resamples = (0..RESAMPLES).map(|_| {
-        let (mut correct, mut count) = (0, 0);
+        let mut sums = vec![[0; 2]; classes];
         for _ in 0..reaches.len() {
             // A 64-bit range gives the same draws on every platform; usize would not.
-            let drawn = reaches[rng.random_range(0..reaches.len() as u64) as usize];
-            correct += drawn.0;
-            count += drawn.1;
+            let drawn = &reaches[rng.random_range(0..reaches.len() as u64) as usize];
+            for (sum, own) in sums.iter_mut().zip(drawn) {
+                sum[0] += own[0];
+                sum[1] += own[1];
+            }
         }
-        correct as f64 / count as f64
+        // Every reach has a thing, so there is a mean.
+        mean(sums.iter().filter_map(|[correct, count]| share(*correct, *count))).unwrap_or(0.0)
     });
     let accuracies = math::sorted(resamples.collect());
     if accuracies[0] == accuracies[RESAMPLES - 1] {

@@ -19,7 +19,7 @@ mod touch_figures;
 pub mod touch_folds;
 mod touch_object;
 
-pub use by_samples::{AccuracyBySamples, Compared, EvaluationReport, SAMPLE_COUNTS, accuracy_by_samples};
+pub use by_samples::{AccuracyBySamples, Compared, EvaluationReport, SAMPLE_COUNTS, accuracy_by_samples, peak_force};
 pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix, Rates};
 pub use cross_validation::{Evaluation, cross_validate, evaluate, warn_of_left_out};
 use cross_validation::{across_folds, predict};

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 use underbrush_recording::{Category, math::median};
 
+use super::interval::balanced_by_reach;
 use super::touch_object::JudgedObject;
 use super::{Interval, RocCurve, Tally, bootstrap_by_reach, mean};
 use crate::touch::TouchVerdict;
@@ -31,17 +32,21 @@ pub struct UnknownFigures {
     pub unknown_contacts: usize,
     /// Of these: called unknown at their end.
     pub found_contacts: usize,
+    /// Interval of this share.
+    pub found_contacts_interval: Option<Interval>,
     /// Contacts with known objects.
     pub known_contacts: usize,
     /// Of these: called unknown at their end.
     pub false_alarm_contacts: usize,
+    /// Interval of this share.
+    pub false_alarm_contacts_interval: Option<Interval>,
     /// Area under the ROC curve of unknown against known objects, by the share of known objects that are as unlike; 0.5 is
     /// guessing.
     pub roc_area: Option<f64>,
 }
 
 /// Verdicts on known objects at one moment, compared with the true object that most of the force came from until then. Shares are
-/// from 0 to 1.
+/// from 0 to 1. Intervals are 95 % intervals from a bootstrap over reaches.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ObjectVerdicts {
     /// The moment: `0.1 s`, `0.3 s`, `peak` or `end`.
@@ -50,12 +55,20 @@ pub struct ObjectVerdicts {
     pub objects: usize,
     /// Share that is called what it is; the mean over the categories that were touched.
     pub balanced_right: f64,
-    /// 95 % interval of the share that is called what it is, not balanced, from a bootstrap over reaches.
-    pub right_interval: Option<Interval>,
+    /// Interval of this mean.
+    pub balanced_right_interval: Option<Interval>,
     /// Share that is called what it is.
     pub right: f64,
+    /// Interval of this share.
+    pub right_interval: Option<Interval>,
     /// Share that is called another category or unknown.
     pub wrong: f64,
+    /// Interval of this share.
+    pub wrong_interval: Option<Interval>,
+    /// Share that is called uncertain.
+    pub uncertain: f64,
+    /// Interval of this share.
+    pub uncertain_interval: Option<Interval>,
     /// Of the wrong ones: called unknown.
     pub called_unknown: f64,
 }
@@ -81,6 +94,13 @@ impl UnknownFigures {
         let unlike = |own: &[&JudgedObject]| own.iter().map(|own| -own.share_beyond).collect::<Vec<_>>();
         // A model without unknown objects in training calls nothing unknown, which says nothing about other reaches.
         let tells = objects.iter().any(|own| own.share_beyond != objects[0].share_beyond);
+        let contacts_interval = |own: &[&JudgedObject]| {
+            let contacts = |own: &JudgedObject| {
+                let (reach, unknown) = (Some(own.reach as u64), own.contacts_called_unknown);
+                (0..own.contacts).map(move |contact| (reach, contact < unknown))
+            };
+            bootstrap_by_reach(own.iter().copied().flat_map(contacts)).filter(|_| tells)
+        };
         UnknownFigures {
             unknown_objects: unknown.len(),
             found_objects: sum(&unknown, called_unknown),
@@ -91,8 +111,10 @@ impl UnknownFigures {
             false_alarm_interval: interval(&known, |own| is_unknown(&own.at_end)).filter(|_| tells),
             unknown_contacts: sum(&unknown, |own| own.contacts),
             found_contacts: sum(&unknown, |own| own.contacts_called_unknown),
+            found_contacts_interval: contacts_interval(&unknown),
             known_contacts: sum(&known, |own| own.contacts),
             false_alarm_contacts: sum(&known, |own| own.contacts_called_unknown),
+            false_alarm_contacts_interval: contacts_interval(&known),
             roc_area: RocCurve::of(&unlike(&unknown), &unlike(&known)).filter(|_| tells).map(|curve| curve.area),
         }
     }
@@ -112,19 +134,30 @@ impl ObjectVerdicts {
         ];
         let of_moment = |(at, of): (&'static str, VerdictAt)| {
             let known: Vec<&JudgedObject> = objects.iter().filter(|own| categories.contains(of(own)[1])).collect();
+            let verdict_and_truth = |own: &JudgedObject| of(own).map(|name| TouchVerdict::named(name, categories));
+            let is_right = |own: &JudgedObject| of(own)[0] == of(own)[1];
+            let is_uncertain = |own: &JudgedObject| verdict_and_truth(own)[0] == TouchVerdict::Uncertain;
             let mut tallies = vec![Tally::default(); categories.len() + 2];
-            for own in &known {
-                let [verdict, truth] = of(own).map(|name| TouchVerdict::named(name, categories));
-                tallies[truth.row(categories.len())].add(verdict, verdict == truth, 1);
+            for own in known.iter().copied() {
+                let [verdict, truth] = verdict_and_truth(own);
+                tallies[truth.row(categories.len())].add(verdict, is_right(own), 1);
             }
+            let by_category = known.iter().copied().map(|own| {
+                let [_, truth] = verdict_and_truth(own);
+                (Some(own.reach as u64), truth.row(categories.len()), is_right(own))
+            });
             let all = Tally::sum(tallies.iter().copied());
             Some(ObjectVerdicts {
                 at,
                 objects: all.total(),
                 balanced_right: mean(tallies.iter().filter_map(|own| own.share(own.right)))?,
-                right_interval: interval(&known, |own| of(own)[0] == of(own)[1]),
+                balanced_right_interval: balanced_by_reach(by_category),
                 right: all.share(all.right)?,
+                right_interval: interval(&known, is_right),
                 wrong: all.share(all.wrong)?,
+                wrong_interval: interval(&known, |own| !is_right(own) && !is_uncertain(own)),
+                uncertain: all.share(all.uncertain)?,
+                uncertain_interval: interval(&known, is_uncertain),
                 called_unknown: all.share(all.unknown)?,
             })
         };

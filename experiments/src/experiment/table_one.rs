@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use underbrush_classifier::evaluate::peak_force;
 use underbrush_classifier::{Decision, Evaluation, FeatureSet, Folds, Recipe, cross_validate};
 use underbrush_recording::{Fault, Trial};
 
@@ -19,6 +20,8 @@ pub struct TableOne {
     pub table_1: Vec<Cell>,
     /// Mean absolute difference of the cells from the published ones, by recipe, points.
     pub mean_absolute_difference_points: BTreeMap<String, f64>,
+    /// The accuracy of the largest force alone on the same folds, by unit: the baseline.
+    pub table_1_peak_force: BTreeMap<&'static str, Accuracy>,
     /// The published statements on the table.
     pub orderings: Vec<Ordering>,
     /// The evaluation behind each cell.
@@ -41,13 +44,24 @@ pub fn run(session: &Session) -> Result<TableOne, Fault> {
     session.stage("Cross-validation", || {
         let evaluated = evaluate(experiment, &data.trials, &experiment.file.recipes)?;
         let (table_1, evaluations): (Vec<Cell>, Vec<Evaluation>) = evaluated.into_iter().unzip();
+        let baselines = units(&data.trials).map(|(by, trials)| {
+            let evaluation = peak_force(trials, Folds::paper())?;
+            Ok((by.name(), Accuracy::of(&evaluation)))
+        });
         Ok(TableOne {
             mean_absolute_difference_points: mean_difference(&table_1, |own| own.accuracy),
+            table_1_peak_force: baselines.collect::<Result<_, Fault>>()?,
             orderings: orderings(experiment, &table_1, |own| own.accuracy),
             table_1,
             evaluations,
         })
     })
+}
+
+/// The trials of each unit that has any.
+fn units(trials: &Trials) -> impl Iterator<Item = (Unit, &Vec<Trial>)> {
+    let units = [(Unit::Component, &trials.component), (Unit::Taxel, &trials.taxel)];
+    units.into_iter().filter(|(_, trials)| !trials.is_empty())
 }
 
 /// Evaluates all cells of some recipes in parallel, and returns each cell with the evaluation behind it. There are
@@ -57,13 +71,12 @@ pub fn evaluate(
     trials: &Trials,
     recipes: &[RecipeName],
 ) -> Result<Vec<(Cell, Evaluation)>, Fault> {
-    let units = [(Unit::Component, &trials.component), (Unit::Taxel, &trials.taxel)];
     let mut cases = Vec::new();
     for name in recipes {
-        for (by, trials) in units.iter().filter(|(_, trials)| !trials.is_empty()) {
+        for (by, trials) in units(trials) {
             for features in [FeatureSet::FORCE, FeatureSet::FORCE_AND_MOTION] {
                 let states = experiment.file.states.iter();
-                cases.extend(states.map(|states| (*name, *by, *trials, features, *states)));
+                cases.extend(states.map(|states| (*name, by, trials, features, *states)));
             }
         }
     }

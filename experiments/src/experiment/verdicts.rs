@@ -1,10 +1,10 @@
-//! Verdicts on what touches each taxel, frame by frame, by networks over the course of a contact region.
+//! Verdicts on the objects that touch the skin, on contacts, and on each taxel frame by frame, by a touch model.
 
 use std::sync::Arc;
 
 use serde::Serialize;
 use underbrush_classifier::evaluate::touch::TouchEvaluation;
-use underbrush_classifier::evaluate::{Accuracy, EvaluateError, Tally, TouchFigures, UnknownFigures};
+use underbrush_classifier::evaluate::{Accuracy, EvaluateError, ObjectVerdicts, Tally, TouchFigures, UnknownFigures};
 use underbrush_classifier::touch::TouchExamples;
 use underbrush_recording::{Fault, Recording};
 
@@ -30,6 +30,15 @@ pub struct VerdictFigures {
 /// Figures over whole reaches that were held out. Shares are from 0 to 1.
 #[derive(Serialize)]
 pub struct Verdicts {
+    /// Verdicts on known objects at some moments, over the reaches of all folds together.
+    pub held_out_objects: Vec<ObjectVerdicts>,
+    /// Verdicts on known objects at some moments, over all test reaches together. Reaches with the outliers are among them if
+    /// `unknown` is given.
+    pub test_objects: Vec<ObjectVerdicts>,
+    /// How well the objects of both outliers are found, by the model's own decision, and how often the known objects of all test
+    /// reaches are taken for unknown ones. `None` without outliers, and without auxiliary scenes, because a model from none calls
+    /// nothing unknown.
+    pub unknown: Option<UnknownFigures>,
     /// Balanced accuracy (mean over the categories of the share that is right) over contacts of taxels that a known
     /// category truly touched, by the category that is likeliest over the whole contact.
     pub touched_balanced_accuracy: Option<f64>,
@@ -51,10 +60,9 @@ pub struct Verdicts {
     pub expected_calibration_error: Option<f64>,
     /// Mean squared error of the probabilities.
     pub brier_score: Option<f64>,
-    /// How well the outlier is found, by the model's own decision, and how often known objects of the test scenes are taken
-    /// for unknown ones. `None` without auxiliary scenes, because a model from none calls nothing unknown.
+    /// As `unknown`, without the reaches of the second outlier.
     pub outlier: Option<UnknownFigures>,
-    /// As `outlier`, for the second outlier.
+    /// As `unknown`, without the reaches of the first outlier.
     pub second_outlier: Option<UnknownFigures>,
     /// Verdicts on taxel frames of known categories, by test scene.
     pub scenes: Vec<SceneFigures>,
@@ -106,15 +114,23 @@ pub fn run(session: &Session) -> Result<VerdictFigures, Fault> {
         let known = tests.engineered.iter().map(|(_, found)| found).chain(&tests.general);
         let known: Vec<(String, TouchEvaluation)> = known.map(judge).collect::<Result<_, _>>()?;
         let categories = model.categories().to_vec();
-        let unknown = |found: &Option<Found>| -> Result<_, Fault> {
+        let judge_unknown = |found: &Option<Found>| -> Result<Option<TouchEvaluation>, Fault> {
             let found = found.as_ref().filter(|_| !section.auxiliary.is_empty());
-            let Some((_, mut own)) = found.map(judge).transpose()? else { return Ok(None) };
-            known.iter().for_each(|(_, known)| own.add(known.clone()));
-            Ok(Some(UnknownFigures::of(&own.objects, &categories)))
+            Ok(found.map(judge).transpose()?.map(|(_, own)| own))
         };
+        let (outlier, second_outlier) = (judge_unknown(&tests.outlier)?, judge_unknown(&tests.second_outlier)?);
+        let beside_known = |unknown: &[&TouchEvaluation]| {
+            pooled(unknown.iter().copied().chain(known.iter().map(|(_, own)| own)), &categories)
+        };
+        let of_outlier = |own: &Option<TouchEvaluation>| own.as_ref().map(|own| beside_known(&[own]).unknown);
+        let both: Vec<&TouchEvaluation> = outlier.iter().chain(&second_outlier).collect();
+        let tested = beside_known(&both);
         let figures = TouchFigures::of(&all, &categories);
         let balanced = |accuracy: Option<Accuracy>| accuracy.and_then(|own| own.balanced_accuracy);
         let verdicts = Verdicts {
+            held_out_objects: figures.object_verdicts,
+            test_objects: tested.object_verdicts,
+            unknown: (!both.is_empty()).then_some(tested.unknown),
             touched_balanced_accuracy: balanced(figures.contacts_at_end),
             first_tenth_second_balanced_accuracy: balanced(figures.contacts_after_tenth_second),
             contacts: all.contacts.len(),
@@ -125,8 +141,8 @@ pub fn run(session: &Session) -> Result<VerdictFigures, Fault> {
             touches_lost: figures.touches_lost,
             expected_calibration_error: figures.expected_calibration_error,
             brier_score: figures.brier_score,
-            outlier: unknown(&tests.outlier)?,
-            second_outlier: unknown(&tests.second_outlier)?,
+            outlier: of_outlier(&outlier),
+            second_outlier: of_outlier(&second_outlier),
             scenes: known.iter().filter_map(|(scene, own)| SceneFigures::of(scene, &own.known())).collect(),
             training_reaches: recordings.len(),
             held_out: all,
@@ -167,6 +183,13 @@ pub(crate) fn held_out(
         return Err(EvaluateError::FewCategories { fold: fold + 1, folds: FOLDS, left, all, remedy }.into());
     }
     Ok(TouchEvaluation::of_all(&model, recordings.iter().skip(fold).step_by(FOLDS))?)
+}
+
+/// The figures of all these reaches together. Each object and each contact counts once, so sets of reaches count by their size.
+pub(crate) fn pooled<'a>(parts: impl IntoIterator<Item = &'a TouchEvaluation>, categories: &[String]) -> TouchFigures {
+    let mut all = TouchEvaluation::default();
+    parts.into_iter().for_each(|own| all.add(own.clone()));
+    TouchFigures::of(&all, categories)
 }
 
 impl SceneFigures {

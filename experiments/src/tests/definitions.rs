@@ -7,7 +7,7 @@ use underbrush_recording::InputError;
 use crate::{Experiment, Unit, training};
 
 /// Tests that the file that ships is the paper's experiment: its Table I, its numbers of trials and reaches, and its
-/// trial options.
+/// trial options; and that both lists of classifiers have the baseline.
 #[test]
 fn the_file_that_ships_is_the_papers() {
     let paper = Experiment::paper().unwrap();
@@ -24,6 +24,9 @@ fn the_file_that_ships_is_the_papers() {
     assert_eq!(paper.trial_options(), TrialOptions::paper());
     assert_eq!(paper.labels(), ["leaf", "trunk"]);
     assert_eq!(paper.file.engineered.len(), 10);
+    for entries in [&paper.file.classifiers, &paper.file.setting_classifiers] {
+        assert!(entries.iter().any(|own| own.method.name == "peak-force"), "no baseline in {entries:?}");
+    }
 }
 
 const SMALL: &str = r#"title = "Small"

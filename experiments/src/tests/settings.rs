@@ -55,7 +55,7 @@ fn settings_are_tested_on_clutter_that_was_not_trained_on() {
     assert!(error.contains("setting partly") && error.contains("no trial of leaf"), "{error}");
 
     let swapped = setting("swapped", &trials(2.0, 0.5));
-    let estimators = 4;
+    let estimators = 5;
     let found = splits(&Experiment::paper().unwrap(), &[apart, swapped]).unwrap();
     let accuracies: Vec<f64> = found.iter().map(|split| split.accuracy.accuracy).collect();
     assert_eq!(accuracies, [100.0, 0.0, 0.0, 100.0].repeat(estimators));

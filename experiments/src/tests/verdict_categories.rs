@@ -1,3 +1,5 @@
+use underbrush_classifier::evaluate::touch::TouchEvaluation;
+use underbrush_classifier::evaluate::{JudgedObject, Tally};
 use underbrush_classifier::touch::TouchExamples;
 use underbrush_recording::Recording;
 use underbrush_sim::reach::ReachPlan;
@@ -5,7 +7,7 @@ use underbrush_sim::scene::Scene;
 
 use crate::Experiment;
 use crate::experiment::settings::{FoldedReaches, VerdictTransfer};
-use crate::experiment::verdicts::held_out;
+use crate::experiment::verdicts::{held_out, pooled};
 use crate::tests::scenes;
 
 fn examples(recordings: &[Recording]) -> TouchExamples {
@@ -51,4 +53,27 @@ fn verdicts_of_other_categories_are_not_counted_together() {
     let recordings = [leaves[0].clone(), trunks[0].clone(), trunks[1].clone()];
     let error = held_out(&examples(&recordings), &recordings, 0).err().unwrap().to_string();
     assert!(error.contains("without fold 1 of 3, only trunk of the categories leaf, trunk"), "{error}");
+}
+
+/// Tests that sets of reaches are counted together and not averaged: three right objects of one set and a wrong one of another are
+/// 75 % of four reaches.
+#[test]
+fn sets_of_reaches_count_by_their_size() {
+    let set = |verdicts: &[&str]| {
+        let object = |(reach, verdict): (usize, &&str)| JudgedObject {
+            reach,
+            truth: "leaf".into(),
+            at_end: (*verdict).into(),
+            ..JudgedObject::default()
+        };
+        TouchEvaluation {
+            objects: verdicts.iter().enumerate().map(object).collect(),
+            reaches: vec![Tally::default(); verdicts.len()],
+            ..TouchEvaluation::default()
+        }
+    };
+    let found = pooled([&set(&["leaf"; 3]), &set(&["trunk"])], &["leaf".into(), "trunk".into()]).object_verdicts;
+    assert_eq!((found.len(), found[0].at, found[0].objects), (1, "end", 4));
+    assert_eq!((found[0].right, found[0].wrong, found[0].uncertain), (0.75, 0.25, 0.0));
+    assert!(found[0].right_interval.is_some_and(|own| own.low < 0.75 && own.high == 1.0), "{found:?}");
 }

@@ -1,5 +1,6 @@
 //! The cross-validation table (the paper's Table I).
 
+use underbrush_experiments::Accuracy;
 use underbrush_experiments::definition::{RecipeName, Unit};
 use underbrush_experiments::experiment::table_one::TableOne;
 use underbrush_experiments::table_cell::{Cell, CellKey};
@@ -20,7 +21,7 @@ pub fn add(report: &mut Report, outcome: &TableOne) {
          resampling whole reaches, because the trials of one reach depend on each other."
     ));
     report.page.paragraphs(choices(report));
-    report.page.paragraph(&baselines(report, &outcome.table_1));
+    report.page.paragraph(&baselines(report, outcome));
     let recipes = agreement::add_sentences(report, &compared, |recipe| format!("With the {recipe} recipe"));
     for recipe in &recipes {
         // The page has a table for each recipe; the file has all cells.
@@ -86,10 +87,10 @@ pub fn choices(report: &Report) -> Option<String> {
     ))
 }
 
-/// The majority baselines here, and those of the paper's trial counts.
-fn baselines(report: &Report, cells: &[Cell]) -> String {
+/// The majority baselines here, those of the paper's trial counts, and what the largest force alone reaches.
+fn baselines(report: &Report, outcome: &TableOne) -> String {
     let of = |by: Unit| {
-        let cell = cells.iter().find(|cell| cell.key.by == by)?;
+        let cell = outcome.table_1.iter().find(|cell| cell.key.by == by)?;
         let here = cell.figures.majority_baseline;
         let published = published_majority_percent(report, by);
         let published = published.map_or(String::new(), |percent| format!(" ({percent:.1} % by the paper's counts)"));
@@ -99,10 +100,15 @@ fn baselines(report: &Report, cells: &[Cell]) -> String {
     let labels = report.results.definition.labels();
     let percents = joined(units.into_iter().filter_map(of), " and ");
     let (recalls, constant) = (in_words(&labels), 100.0 / labels.len() as f64);
+    let peak_force = outcome.table_1_peak_force.iter().map(|(unit, own)| {
+        let Accuracy { accuracy, low, high, balanced_accuracy, .. } = own;
+        format!("{accuracy:.1} % of {unit} trials ({low:.1} to {high:.1}, balanced {balanced_accuracy:.1} %)")
+    });
+    let peak_force = joined(peak_force, " and ");
     format!(
         "An accuracy means little without its baseline. The majority baseline is the accuracy of always giving the most \
          frequent category: {percents}. The balanced accuracy is the mean of the recalls of {recalls}; for a constant verdict it \
-         is {constant:.0} %."
+         is {constant:.0} %. On the same folds the largest force alone (peak-force) is right for {peak_force}."
     )
 }
 

@@ -199,6 +199,7 @@ fn a_report_is_whole() {
     let summary = serde_json::to_value(&results).unwrap();
     for key in [
         "seed",
+        "table_1_peak_force",
         "trials_per_reach",
         "orderings",
         "campaigns",
@@ -229,6 +230,20 @@ fn a_report_is_whole() {
         let share = summary["verdicts"][key].as_f64();
         assert!(share.is_some_and(|share| (0.0..=1.0).contains(&share)), "{key}: {share:?}");
     }
+    // Verdicts on objects come first.
+    let captions = ["Verdicts on objects of known categories", "Contacts of taxels and taxel frames"];
+    let places = captions.map(|caption| html.find(caption).unwrap());
+    assert!(places[0] < places[1], "{places:?}");
+    let objects = summary["verdicts"]["held_out_objects"].as_array().unwrap();
+    assert_eq!(
+        objects.iter().map(|own| own["at"].as_str().unwrap()).collect::<Vec<_>>(),
+        ["0.1 s", "0.3 s", "peak", "end"]
+    );
+    for own in objects {
+        let all: f64 = ["right", "wrong", "uncertain"].iter().map(|key| own[*key].as_f64().unwrap()).sum();
+        assert!((all - 1.0).abs() < 1e-12, "{own}");
+    }
+    assert!(html.contains("On the same folds the largest force alone (peak-force) is right for"));
     let table = summary["table_1"].as_array().unwrap();
     assert_eq!(table.len(), 8);
     for cell in table {

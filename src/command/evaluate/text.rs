@@ -10,7 +10,7 @@ use crate::output::percent;
 /// The whole evaluation.
 pub(super) fn of(results: &EvaluationReport) -> String {
     let mut text = results.comparison.as_deref().map(comparison).unwrap_or_default();
-    text += &evaluation(&results.evaluation);
+    text += &evaluation(results);
     if let Some(folds) = results.folds {
         let by = match folds.by {
             FoldBy::Reach => "by whole reaches",
@@ -87,7 +87,8 @@ fn by_samples(series: &[AccuracyBySamples]) -> String {
     format!("{}* in brackets: balanced accuracy, majority baseline\n", rows.text())
 }
 
-fn evaluation(evaluation: &Evaluation) -> String {
+fn evaluation(results: &EvaluationReport) -> String {
+    let evaluation = &results.evaluation;
     let matrix = &evaluation.confusion;
     let mut text = Rows::of(matrix.truth.iter().zip(&matrix.count))
         .column("truth \\ verdict", |(truth, _)| truth.as_str())
@@ -103,7 +104,7 @@ fn evaluation(evaluation: &Evaluation) -> String {
         .column("F1 %", |own| percent(own.f1))
         .text();
     text += "\n";
-    text += &accuracies(evaluation);
+    text += &accuracies(evaluation, results.baseline.as_ref());
     let (accuracy, by_trial) = (percent(evaluation.accuracy), interval(evaluation.accuracy_interval_by_trial));
     text += &format!("\naccuracy {accuracy} %; 95 % interval {by_trial} % as if trials were independent");
     if let Some(by_reach) = evaluation.accuracy_interval_by_reach {
@@ -112,8 +113,8 @@ fn evaluation(evaluation: &Evaluation) -> String {
     text
 }
 
-/// The accuracy over all trials and by touch, each with its baseline.
-fn accuracies(evaluation: &Evaluation) -> String {
+/// The accuracy over all trials and by touch, each with its majority baseline, and that of the largest force alone.
+fn accuracies(evaluation: &Evaluation, baseline: Option<&Compared>) -> String {
     let mut parts = vec![("all trials", evaluation.confusion.accuracy())];
     if let Some(split) = evaluation.by_touch {
         parts.extend([
@@ -122,6 +123,7 @@ fn accuracies(evaluation: &Evaluation) -> String {
             ("not known", split.unknown),
         ]);
     }
+    parts.extend(baseline.map(|own| ("all trials, by peak-force", Some(own.accuracy))));
     Rows::of(parts.into_iter().filter_map(|(name, part)| Some((name, part?))))
         .column("judged", |(name, _)| name)
         .column("trials", |(_, own)| own.trials)

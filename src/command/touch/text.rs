@@ -106,9 +106,9 @@ fn unknown(own: &UnknownFigures) -> String {
          Known objects: {} called unknown; by contact {}. ROC area of unknown against known objects {}\n",
         objects(own.found_objects, own.unknown_objects, own.found_interval),
         objects(own.found_objects_at_peak, own.unknown_objects, None),
-        objects(own.found_contacts, own.unknown_contacts, None),
+        objects(own.found_contacts, own.unknown_contacts, own.found_contacts_interval),
         objects(own.false_alarm_objects, own.known_objects, own.false_alarm_interval),
-        objects(own.false_alarm_contacts, own.known_contacts, None),
+        objects(own.false_alarm_contacts, own.known_contacts, own.false_alarm_contacts_interval),
         number(own.roc_area)
     )
 }

@@ -98,3 +98,11 @@ fn nothing_long_enough_to_fit_on_is_refused() {
     let expected = EvaluateError::TooShort { category: "leaf".into(), fold: 1, samples: 5 };
     assert_eq!(error, expected);
 }
+
+/// Tests the baseline on the same folds: the two trunks of a single sample were pressed no harder than leaves.
+#[test]
+fn the_baseline_sees_the_largest_force() {
+    let found = Compared::of_peak_force(&trials(), FOLDS).unwrap();
+    assert_eq!((found.classifier, found.accuracy.trials, found.accuracy.accuracy), ("peak-force", 16, 14.0 / 16.0));
+    assert_eq!(found.accuracy.balanced_accuracy, Some((1.0 + 10.0 / 12.0) / 2.0));
+}

@@ -1,4 +1,5 @@
 use super::*;
+use crate::evaluate::wilson;
 use crate::touch::Stiffness;
 
 /// An object with some verdict at its peak and at its end, and the shares of its two contacts that are called unknown.
@@ -44,6 +45,10 @@ fn unknown_objects_are_counted() {
     assert_eq!((figures.unknown_contacts, figures.found_contacts), (4, 1));
     assert_eq!((figures.known_contacts, figures.false_alarm_contacts), (6, 1));
     assert!((figures.roc_area.unwrap() - 4.0 / 6.0).abs() < 1e-12);
+    // All unknown objects are in one reach. Of the contacts with known ones, none of reach 0 is called unknown, and one of four of
+    // reach 1.
+    assert_eq!(figures.found_contacts_interval, None);
+    assert_eq!(figures.false_alarm_contacts_interval, Some(Interval { low: 0.0, high: 0.25 }));
 }
 
 /// Tests that a model that finds all objects alike has counts, but no interval and no area: its verdicts say nothing about
@@ -54,9 +59,11 @@ fn a_model_that_tells_nothing_apart_has_no_intervals() {
     let of = |objects: &[JudgedObject]| UnknownFigures::of(objects, &["leaf".into(), "trunk".into()]);
     let (alike, apart) = (of(&alike), of(&objects()));
     assert_eq!((alike.unknown_objects, alike.found_objects), (apart.unknown_objects, apart.found_objects));
-    let unsaid =
-        |own: &UnknownFigures| (own.found_interval.is_none(), own.false_alarm_interval.is_none(), own.roc_area);
-    assert_eq!(unsaid(&alike), (true, true, None));
+    let unsaid = |own: &UnknownFigures| {
+        let intervals = [own.found_interval, own.false_alarm_interval, own.false_alarm_contacts_interval];
+        (intervals, own.roc_area)
+    };
+    assert_eq!(unsaid(&alike), ([None; 3], None));
     assert!(apart.false_alarm_interval.is_some() && apart.roc_area.is_some());
 }
 
@@ -77,6 +84,27 @@ fn verdicts_are_counted_at_each_moment() {
         }
     }
     assert!(ObjectVerdicts::of(&objects()[..2], &["leaf".into()]).is_empty());
+}
+
+/// Tests the intervals of right, wrong and uncertain verdicts against all resamples of two reaches. A category that a resample
+/// lacks is left out of its balanced share.
+#[test]
+fn verdicts_at_a_moment_have_intervals() {
+    let found = ObjectVerdicts::of(&objects(), &["leaf".into(), "trunk".into()]);
+    let interval = |low, high| Some(Interval { low, high });
+    // All are uncertain, in two reaches: nothing is said beyond two of two.
+    let start = found[0];
+    assert_eq!((start.uncertain, start.uncertain_interval), (1.0, Some(wilson(2, 2))));
+    assert_eq!((start.wrong_interval, start.balanced_right_interval), (Some(wilson(0, 2)), Some(wilson(0, 2))));
+    // At the end the leaf of reach 0 is right, and of the leaf and the trunk of reach 1 the leaf.
+    let end = found[3];
+    assert_eq!((end.right_interval, end.balanced_right_interval), (interval(0.5, 1.0), interval(0.5, 1.0)));
+    assert_eq!((end.wrong_interval, end.uncertain), (interval(0.0, 0.5), 0.0));
+    // With two more leaves in reach 0, three of four leaves and no trunk are right at the peak, and none in reach 1.
+    let more = [objects(), vec![object(0, "leaf", "leaf", "leaf", 0.9); 2]].concat();
+    let peak = ObjectVerdicts::of(&more, &["leaf".into(), "trunk".into()])[2];
+    assert_eq!((peak.right, peak.balanced_right), (0.6, 0.375));
+    assert_eq!(peak.balanced_right_interval, interval(0.0, 1.0));
 }
 
 /// Tests that a verdict on an object that is found to be a trunk later is compared with the leaf that had pressed until then.
