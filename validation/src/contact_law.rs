@@ -23,6 +23,7 @@ pub const CHECK: Check = Check {
         Case { compare: resting, falsifications: &[STIFF_SURFACE] },
         Case { compare: pressed_flat, falsifications: &[THICK_LAYER] },
         thrown::REBOUND,
+        thrown::DEFAULT_STEPS,
         thrown::FAST_TOUCH,
         Case { compare: along_the_forearm, falsifications: &[STIFF_SKIN] },
     ],

@@ -93,6 +93,18 @@ impl Rig {
         self.name(mechanism.slot)
     }
 
+    /// Adds an object at rest with its foot at the origin, and others on its body that carries what stands on it, with their feet
+    /// at these poses. Returns the bodies, its own first.
+    pub fn add_carrying(&mut self, object: &dyn Object, carried: &[(&dyn Object, WorldPose)]) -> Vec<BodyId> {
+        let structure = |object: &dyn Object| object.structure(self.engine.options.gravity_m_per_s2);
+        let base = structure(object);
+        let carried: Vec<_> = carried.iter().map(|(own, foot_world)| (structure(*own), *foot_world)).collect();
+        let carried: Vec<_> = carried.iter().map(|(own, foot_world)| (own, *foot_world)).collect();
+        let carrier = object.carrier().unwrap_or(0);
+        let mechanism = Mechanism::build_with(&base, &mut self.engine, WorldPose::IDENTITY, carrier, &carried);
+        self.name(mechanism.slot)
+    }
+
     /// Adds a body that cannot move. `None` if its shape has no volume.
     pub fn add_fixed(&mut self, part: &BodyPart, surface: Surface, pose_world: &WorldPose) -> Option<BodyId> {
         let solid = Solid { link: 0, shape: collider(part)?, groups: InteractionGroups::all(), surface, part: 0 };
