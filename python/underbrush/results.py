@@ -172,6 +172,13 @@ class Evaluation(TypedDict):
     training: NotRequired[list[dict[str, Any]]]
 
 
+class Likeliest(TypedDict):
+    """The likeliest known category of an object at some moment, and its probability if the object is of a known category."""
+
+    category: str
+    probability: float
+
+
 class JudgedObject(TypedDict):
     """An object that was touched: the verdicts that stood at some moments, beside the truth."""
 
@@ -179,20 +186,26 @@ class JudgedObject(TypedDict):
     object: int
     truth: str
     true_object: int
+    patch: str
     lasted_s: float
     peak_force_n: float
     after_100_ms: str
     truth_after_100_ms: str
     after_300_ms: str
     truth_after_300_ms: str
+    patch_after_300_ms: str
+    likeliest_after_300_ms: Likeliest
     at_peak: str
     truth_at_peak: str
     at_end: str
+    likeliest_at_end: Likeliest
     flips: int
+    mean_cost: float
     share_beyond: float
     stiffness: StiffnessInterval | None
     true_stiffness_n_per_m: float | None
     moved_m: float
+    moved_true_m: float | None
     mobility: Mobility
     contacts: int
     contacts_called_unknown: int
@@ -205,9 +218,12 @@ class UnknownObjects(TypedDict):
     found_objects: int
     found_interval: Interval | None
     found_objects_at_peak: int
+    found_at_peak_interval: Interval | None
     known_objects: int
     false_alarm_objects: int
     false_alarm_interval: Interval | None
+    false_alarm_objects_at_peak: int
+    false_alarm_at_peak_interval: Interval | None
     unknown_contacts: int
     found_contacts: int
     found_contacts_interval: Interval | None
@@ -215,6 +231,7 @@ class UnknownObjects(TypedDict):
     false_alarm_contacts: int
     false_alarm_contacts_interval: Interval | None
     roc_area: float | None
+    roc_area_interval: Interval | None
 
 
 class TouchEvaluation(TypedDict):
@@ -225,18 +242,24 @@ class TouchEvaluation(TypedDict):
     folds: NotRequired[int]
     objects: list[JudgedObject]
     object_verdicts: list[dict[str, Any]]
+    flips: dict[str, Any] | None
     grouping: dict[str, Any] | None
     unknown: UnknownObjects
+    verdicts_by_cost: list[dict[str, Any]]
     stiffness: list[dict[str, Any]]
     truths: list[dict[str, Any]]
+    patches: list[dict[str, Any]]
     contacts_after_tenth_second: dict[str, Any] | None
+    contacts_after_tenth_second_interval: Interval | None
     contacts_at_end: dict[str, Any] | None
+    contacts_at_end_interval: Interval | None
     by_reach: dict[str, Any]
     decisions: list[dict[str, Any]]
     brier_score: float | None
     calibration: list[dict[str, Any]]
     expected_calibration_error: float | None
-    first_right_verdict: list[dict[str, Any]]
+    object_calibration_error: float | None
+    right_after_samples: list[dict[str, Any]]
     median_samples_until_right: float | None
     spurious_called_nothing: float | None
     touches_lost: float | None

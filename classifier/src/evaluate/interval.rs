@@ -53,44 +53,54 @@ pub fn wilson(successes: usize, trials: usize) -> Interval {
 /// of them count, they say nothing about other reaches. The interval is then that of [`wilson`] for as many trials as there are
 /// reaches. With few reaches the interval is too narrow. `None` if a thing is in no reach or there are fewer than two reaches.
 pub fn bootstrap_by_reach(things: impl IntoIterator<Item = (Option<u64>, bool)>) -> Option<Interval> {
-    balanced_by_reach(things.into_iter().map(|(reach, counts)| (reach, 0, counts)))
+    let counts = things.into_iter().map(|(reach, counts)| Some((reach?, 0, [usize::from(counts), 1])));
+    bootstrap_balanced(counts.collect::<Option<Vec<_>>>()?)
 }
 
-/// As [`bootstrap_by_reach`], of the mean of the shares of several classes. Each thing has its reach, its class and whether it counts.
-/// A class that is missing from a resample is left out of its mean.
-pub(super) fn balanced_by_reach(things: impl IntoIterator<Item = (Option<u64>, usize, bool)>) -> Option<Interval> {
-    // By reach and class, how many things count, and how many there are.
-    let mut reaches: BTreeMap<u64, Vec<[usize; 2]>> = BTreeMap::new();
-    let mut classes = 0;
-    for (reach, class, counts) in things {
-        let own = reaches.entry(reach?).or_default();
-        classes = classes.max(class + 1);
-        own.resize(own.len().max(class + 1), [0; 2]);
-        own[class][0] += usize::from(counts);
-        own[class][1] += 1;
+/// As [`bootstrap_by_reach`], of a balanced share: the mean over classes of the share of things that count. Each item is a reach, a
+/// class, and two numbers of things: those that count, and all. A resample without things of a class leaves it out.
+pub(super) fn bootstrap_balanced(counts: impl IntoIterator<Item = (u64, usize, [usize; 2])>) -> Option<Interval> {
+    let mut reaches: BTreeMap<u64, BTreeMap<usize, [usize; 2]>> = BTreeMap::new();
+    for (reach, class, [counting, all]) in counts.into_iter().filter(|(.., [_, all])| *all > 0) {
+        let own = reaches.entry(reach).or_default().entry(class).or_default();
+        *own = [own[0] + counting, own[1] + all];
     }
-    let reaches: Vec<Vec<[usize; 2]>> = reaches.into_values().collect();
-    if reaches.len() < 2 {
+    let last = reaches.values().filter_map(|own| own.last_key_value()).map(|(class, _)| *class).max();
+    let mut sums = vec![[0_usize; 2]; last.map_or(0, |last| last + 1)];
+    let reaches: Vec<_> = reaches.into_values().collect();
+    bootstrap(reaches.len(), |times| {
+        sums.fill([0; 2]);
+        for (times, reach) in times.iter().zip(&reaches) {
+            for (class, [counting, all]) in reach {
+                let own = &mut sums[*class];
+                *own = [own[0] + times * counting, own[1] + times * all];
+            }
+        }
+        mean(sums.iter().filter_map(|[counting, all]| share(*counting, *all)))
+    })
+}
+
+/// As [`bootstrap_by_reach`], of a figure that follows from how often each reach was drawn. Resamples in which it is not known are
+/// left out.
+pub(super) fn bootstrap(reaches: usize, mut figure: impl FnMut(&[usize]) -> Option<f64>) -> Option<Interval> {
+    if reaches < 2 {
         return None;
     }
     let mut rng = ChaCha8Rng::seed_from_u64(0);
-    let resamples = (0..RESAMPLES).map(|_| {
-        let mut sums = vec![[0; 2]; classes];
-        for _ in 0..reaches.len() {
+    let mut times = vec![0_usize; reaches];
+    let resamples = (0..RESAMPLES).filter_map(|_| {
+        times.fill(0);
+        for _ in 0..reaches {
             // A 64-bit range gives the same draws on every platform; usize would not.
-            let drawn = &reaches[rng.random_range(0..reaches.len() as u64) as usize];
-            for (sum, own) in sums.iter_mut().zip(drawn) {
-                sum[0] += own[0];
-                sum[1] += own[1];
-            }
+            times[rng.random_range(0..reaches as u64) as usize] += 1;
         }
-        // Every reach has a thing, so there is a mean.
-        mean(sums.iter().filter_map(|[correct, count]| share(*correct, *count))).unwrap_or(0.0)
+        figure(&times)
     });
-    let accuracies = math::sorted(resamples.collect());
-    if accuracies[0] == accuracies[RESAMPLES - 1] {
-        return Some(wilson((accuracies[0] * reaches.len() as f64).round() as usize, reaches.len()));
+    let figures = math::sorted(resamples.collect());
+    let (lowest, highest) = (*figures.first()?, *figures.last()?);
+    if lowest == highest {
+        return Some(wilson((lowest * reaches as f64).round() as usize, reaches));
     }
-    let quantile = |q: f64| accuracies[(q * (RESAMPLES - 1) as f64).round() as usize];
+    let quantile = |q: f64| figures[(q * (figures.len() - 1) as f64).round() as usize];
     Some(Interval { low: quantile(0.025), high: quantile(0.975) })
 }

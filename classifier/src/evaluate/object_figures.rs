@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 use underbrush_recording::{Category, math::median};
 
-use super::interval::balanced_by_reach;
+use super::roc::area_interval;
 use super::touch_object::JudgedObject;
-use super::{Interval, RocCurve, Tally, bootstrap_by_reach, mean};
+use super::{Interval, RocCurve, bootstrap_balanced, bootstrap_by_reach, mean, share};
 use crate::touch::TouchVerdict;
 
 /// How well unknown objects are found, by the model's own decision at the end of each object. Foam blocks are left out:
@@ -22,12 +22,18 @@ pub struct UnknownFigures {
     pub found_interval: Option<Interval>,
     /// Of the unknown objects: called unknown when their force was largest.
     pub found_objects_at_peak: usize,
+    /// Interval of this share.
+    pub found_at_peak_interval: Option<Interval>,
     /// Objects of known categories.
     pub known_objects: usize,
     /// Of these: called unknown.
     pub false_alarm_objects: usize,
     /// Interval of this share.
     pub false_alarm_interval: Option<Interval>,
+    /// Of the known objects: called unknown when their force was largest.
+    pub false_alarm_objects_at_peak: usize,
+    /// Interval of this share.
+    pub false_alarm_at_peak_interval: Option<Interval>,
     /// Contacts with unknown objects.
     pub unknown_contacts: usize,
     /// Of these: called unknown at their end.
@@ -43,34 +49,8 @@ pub struct UnknownFigures {
     /// Area under the ROC curve of unknown against known objects, by the share of known objects that are as unlike; 0.5 is
     /// guessing.
     pub roc_area: Option<f64>,
-}
-
-/// Verdicts on known objects at one moment, compared with the true object that most of the force came from until then. Shares are
-/// from 0 to 1. Intervals are 95 % intervals from a bootstrap over reaches.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ObjectVerdicts {
-    /// The moment: `0.1 s`, `0.3 s`, `peak` or `end`.
-    pub at: &'static str,
-    /// Number of objects of known categories.
-    pub objects: usize,
-    /// Share that is called what it is; the mean over the categories that were touched.
-    pub balanced_right: f64,
-    /// Interval of this mean.
-    pub balanced_right_interval: Option<Interval>,
-    /// Share that is called what it is.
-    pub right: f64,
-    /// Interval of this share.
-    pub right_interval: Option<Interval>,
-    /// Share that is called another category or unknown.
-    pub wrong: f64,
-    /// Interval of this share.
-    pub wrong_interval: Option<Interval>,
-    /// Share that is called uncertain.
-    pub uncertain: f64,
-    /// Interval of this share.
-    pub uncertain_interval: Option<Interval>,
-    /// Of the wrong ones: called unknown.
-    pub called_unknown: f64,
+    /// Interval of this area.
+    pub roc_area_interval: Option<Interval>,
 }
 
 /// How well contacts are joined to objects.
@@ -84,84 +64,94 @@ pub struct GroupingFigures {
     pub true_objects: usize,
 }
 
-impl UnknownFigures {
-    /// The figures for a model with these categories.
-    pub fn of(objects: &[JudgedObject], categories: &[String]) -> Self {
-        let judged = objects.iter().filter(|own| own.truth != Category::BLOCK.name());
-        let (known, unknown): (Vec<_>, Vec<_>) = judged.partition(|own| categories.contains(&own.truth));
-        let sum = |own: &[&JudgedObject], count: fn(&JudgedObject) -> usize| own.iter().map(|own| count(own)).sum();
-        let called_unknown = |own: &JudgedObject| usize::from(is_unknown(&own.at_end));
-        let unlike = |own: &[&JudgedObject]| own.iter().map(|own| -own.share_beyond).collect::<Vec<_>>();
-        // A model without unknown objects in training calls nothing unknown, which says nothing about other reaches.
-        let tells = objects.iter().any(|own| own.share_beyond != objects[0].share_beyond);
-        let contacts_interval = |own: &[&JudgedObject]| {
-            let contacts = |own: &JudgedObject| {
-                let (reach, unknown) = (Some(own.reach as u64), own.contacts_called_unknown);
-                (0..own.contacts).map(move |contact| (reach, contact < unknown))
-            };
-            bootstrap_by_reach(own.iter().copied().flat_map(contacts)).filter(|_| tells)
-        };
-        UnknownFigures {
-            unknown_objects: unknown.len(),
-            found_objects: sum(&unknown, called_unknown),
-            found_interval: interval(&unknown, |own| is_unknown(&own.at_end)).filter(|_| tells),
-            found_objects_at_peak: sum(&unknown, |own| usize::from(is_unknown(&own.at_peak))),
-            known_objects: known.len(),
-            false_alarm_objects: sum(&known, called_unknown),
-            false_alarm_interval: interval(&known, |own| is_unknown(&own.at_end)).filter(|_| tells),
-            unknown_contacts: sum(&unknown, |own| own.contacts),
-            found_contacts: sum(&unknown, |own| own.contacts_called_unknown),
-            found_contacts_interval: contacts_interval(&unknown),
-            known_contacts: sum(&known, |own| own.contacts),
-            false_alarm_contacts: sum(&known, |own| own.contacts_called_unknown),
-            false_alarm_contacts_interval: contacts_interval(&known),
-            roc_area: RocCurve::of(&unlike(&unknown), &unlike(&known)).filter(|_| tells).map(|curve| curve.area),
-        }
+/// How many objects or contacts are called unknown, of how many, and the interval of this share.
+struct Called {
+    count: usize,
+    of: usize,
+    interval: Option<Interval>,
+}
+
+impl Called {
+    /// By object at the end, by object at the peak of force, and by contact.
+    fn each(objects: &[&JudgedObject]) -> [Self; 3] {
+        let counts: [fn(&JudgedObject) -> [usize; 2]; 3] = [
+            |own| [usize::from(is_unknown(&own.at_end)), 1],
+            |own| [usize::from(is_unknown(&own.at_peak)), 1],
+            |own| [own.contacts_called_unknown, own.contacts],
+        ];
+        counts.map(|of_object| {
+            let counts = objects.iter().map(|own| (own.reach as u64, 0, of_object(own)));
+            let [count, of] = [0, 1].map(|part: usize| counts.clone().map(|(.., own)| own[part]).sum());
+            Called { count, of, interval: bootstrap_balanced(counts) }
+        })
     }
 }
 
-/// The verdict that stood at some moment, and the truth until then.
-type VerdictAt = fn(&JudgedObject) -> [&String; 2];
+/// How often the verdict on an object changes, and what it costs. Foam blocks are left out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FlipFigures {
+    /// Number of objects.
+    pub objects: usize,
+    /// Mean number of changes of the verdict on an object.
+    pub mean_flips: f64,
+    /// Share of the objects whose verdict never changed.
+    pub without: f64,
+    /// 95 % interval of this share, from a bootstrap over reaches.
+    pub without_interval: Option<Interval>,
+    /// Mean cost of the verdict on an object while it was felt, on average over objects: a wrong verdict costs 1, an uncertain one the
+    /// model's `cost_of_uncertain`, and a right one nothing.
+    pub mean_cost: f64,
+}
 
-impl ObjectVerdicts {
-    /// The figures at each moment. A moment is left out if no object of a known category was touched until then.
-    pub(super) fn of(objects: &[JudgedObject], categories: &[String]) -> Vec<Self> {
-        let moments: [(&'static str, VerdictAt); 4] = [
-            ("0.1 s", |own| [&own.after_100_ms, &own.truth_after_100_ms]),
-            ("0.3 s", |own| [&own.after_300_ms, &own.truth_after_300_ms]),
-            ("peak", |own| [&own.at_peak, &own.truth_at_peak]),
-            ("end", |own| [&own.at_end, &own.truth]),
-        ];
-        let of_moment = |(at, of): (&'static str, VerdictAt)| {
-            let known: Vec<&JudgedObject> = objects.iter().filter(|own| categories.contains(of(own)[1])).collect();
-            let verdict_and_truth = |own: &JudgedObject| of(own).map(|name| TouchVerdict::named(name, categories));
-            let is_right = |own: &JudgedObject| of(own)[0] == of(own)[1];
-            let is_uncertain = |own: &JudgedObject| verdict_and_truth(own)[0] == TouchVerdict::Uncertain;
-            let mut tallies = vec![Tally::default(); categories.len() + 2];
-            for own in known.iter().copied() {
-                let [verdict, truth] = verdict_and_truth(own);
-                tallies[truth.row(categories.len())].add(verdict, is_right(own), 1);
-            }
-            let by_category = known.iter().copied().map(|own| {
-                let [_, truth] = verdict_and_truth(own);
-                (Some(own.reach as u64), truth.row(categories.len()), is_right(own))
-            });
-            let all = Tally::sum(tallies.iter().copied());
-            Some(ObjectVerdicts {
-                at,
-                objects: all.total(),
-                balanced_right: mean(tallies.iter().filter_map(|own| own.share(own.right)))?,
-                balanced_right_interval: balanced_by_reach(by_category),
-                right: all.share(all.right)?,
-                right_interval: interval(&known, is_right),
-                wrong: all.share(all.wrong)?,
-                wrong_interval: interval(&known, |own| !is_right(own) && !is_uncertain(own)),
-                uncertain: all.share(all.uncertain)?,
-                uncertain_interval: interval(&known, is_uncertain),
-                called_unknown: all.share(all.unknown)?,
-            })
-        };
-        moments.into_iter().filter_map(of_moment).collect()
+impl FlipFigures {
+    pub(super) fn of(objects: &[JudgedObject]) -> Option<Self> {
+        let judged = objects.iter().filter(|own| own.truth != Category::BLOCK.name());
+        let steady = judged.clone().map(|own| (Some(own.reach as u64), own.flips == 0));
+        Some(FlipFigures {
+            objects: judged.clone().count(),
+            mean_flips: mean(judged.clone().map(|own| own.flips as f64))?,
+            without: mean(judged.clone().map(|own| f64::from(u8::from(own.flips == 0))))?,
+            without_interval: bootstrap_by_reach(steady),
+            mean_cost: mean(judged.map(|own| own.mean_cost))?,
+        })
+    }
+}
+
+impl UnknownFigures {
+    /// The figures for a model with these categories.
+    pub fn of<'a>(objects: impl IntoIterator<Item = &'a JudgedObject>, categories: &[String]) -> Self {
+        let objects: Vec<&JudgedObject> = objects.into_iter().collect();
+        let judged = objects.iter().copied().filter(|own| own.truth != Category::BLOCK.name());
+        let (known, unknown): (Vec<_>, Vec<_>) = judged.partition(|own| categories.contains(&own.truth));
+        let [found, found_at_peak, found_contacts] = Called::each(&unknown);
+        let [alarms, alarms_at_peak, alarm_contacts] = Called::each(&known);
+        // A model without unknown objects in training calls nothing unknown, which says nothing about other reaches.
+        let tells = objects.iter().any(|own| own.share_beyond != objects[0].share_beyond);
+        let interval = |own: &Called| own.interval.filter(|_| tells);
+        let unlike = |own: &[&JudgedObject]| own.iter().map(|own| -own.share_beyond).collect::<Vec<_>>();
+        let curve = RocCurve::of(&unlike(&unknown), &unlike(&known)).filter(|_| tells);
+        let in_reach = |is_unknown| move |own: &&JudgedObject| (own.reach, is_unknown, -own.share_beyond);
+        let unlike_in_reach = unknown.iter().map(in_reach(true)).chain(known.iter().map(in_reach(false)));
+        UnknownFigures {
+            unknown_objects: found.of,
+            found_objects: found.count,
+            found_interval: interval(&found),
+            found_objects_at_peak: found_at_peak.count,
+            found_at_peak_interval: interval(&found_at_peak),
+            known_objects: alarms.of,
+            false_alarm_objects: alarms.count,
+            false_alarm_interval: interval(&alarms),
+            false_alarm_objects_at_peak: alarms_at_peak.count,
+            false_alarm_at_peak_interval: interval(&alarms_at_peak),
+            unknown_contacts: found_contacts.of,
+            found_contacts: found_contacts.count,
+            found_contacts_interval: interval(&found_contacts),
+            known_contacts: alarm_contacts.of,
+            false_alarm_contacts: alarm_contacts.count,
+            false_alarm_contacts_interval: interval(&alarm_contacts),
+            roc_area: curve.as_ref().map(|curve| curve.area),
+            roc_area_interval: curve.and_then(|_| area_interval(unlike_in_reach.collect())),
+        }
     }
 }
 
@@ -188,8 +178,12 @@ pub struct StiffnessFigures {
     pub objects: usize,
     /// Share of which the median of the stiffness is between half and twice the truth.
     pub within_twice: f64,
+    /// 95 % interval of this share, from a bootstrap over reaches.
+    pub within_twice_interval: Option<Interval>,
     /// Share of which the interval holds the truth; 90 % is meant.
     pub held: f64,
+    /// 95 % interval of this share, from a bootstrap over reaches.
+    pub held_interval: Option<Interval>,
     /// Median of the ratio of the told stiffness to the true one.
     pub median_ratio: f64,
 }
@@ -197,34 +191,33 @@ pub struct StiffnessFigures {
 impl StiffnessFigures {
     /// The figures of each category, in alphabetical order.
     pub(super) fn of(objects: &[JudgedObject]) -> Vec<Self> {
-        let mut ratios: BTreeMap<&str, Vec<[f64; 2]>> = BTreeMap::new();
+        // The reach, told over true stiffness, and whether the interval holds the truth.
+        let mut ratios: BTreeMap<&str, Vec<(u64, f64, bool)>> = BTreeMap::new();
         for own in objects.iter().filter(|own| own.peak_force_n >= PRESSED_N) {
             let (Some(told), Some(truth_n_per_m)) = (own.stiffness, own.true_stiffness_n_per_m) else { continue };
             let is_held = (told.low_n_per_m..=told.high_n_per_m).contains(&truth_n_per_m);
             let ratio = told.median_n_per_m / truth_n_per_m;
-            ratios.entry(&own.truth).or_default().push([ratio, f64::from(u8::from(is_held))]);
+            ratios.entry(&own.truth).or_default().push((own.reach as u64, ratio, is_held));
         }
-        let figures = |(truth, ratios): (&str, Vec<[f64; 2]>)| {
-            let count = ratios.len() as f64;
-            StiffnessFigures {
+        let figures = |(truth, ratios): (&str, Vec<(u64, f64, bool)>)| {
+            let within = ratios.iter().map(|(reach, ratio, _)| (Some(*reach), (0.5..=2.0).contains(ratio)));
+            let held = ratios.iter().map(|(reach, _, is_held)| (Some(*reach), *is_held));
+            Some(StiffnessFigures {
                 truth: truth.to_owned(),
                 objects: ratios.len(),
-                within_twice: ratios.iter().filter(|own| (0.5..=2.0).contains(&own[0])).count() as f64 / count,
-                held: ratios.iter().map(|own| own[1]).sum::<f64>() / count,
-                median_ratio: median(ratios.iter().map(|own| own[0]).collect()).unwrap_or(f64::NAN),
-            }
+                within_twice: share(within.clone().filter(|own| own.1).count(), ratios.len())?,
+                within_twice_interval: bootstrap_by_reach(within),
+                held: share(held.clone().filter(|own| own.1).count(), ratios.len())?,
+                held_interval: bootstrap_by_reach(held),
+                median_ratio: median(ratios.iter().map(|(_, ratio, _)| *ratio).collect())?,
+            })
         };
-        ratios.into_iter().map(figures).collect()
+        ratios.into_iter().filter_map(figures).collect()
     }
 }
 
 fn is_unknown(verdict: &str) -> bool {
     verdict == TouchVerdict::Unknown.name(&[])
-}
-
-/// The interval of the share of objects of which something holds.
-fn interval(objects: &[&JudgedObject], holds: impl Fn(&JudgedObject) -> bool) -> Option<Interval> {
-    bootstrap_by_reach(objects.iter().map(|own| (Some(own.reach as u64), holds(own))))
 }
 
 #[cfg(test)]

@@ -1,8 +1,11 @@
 //! Receiver operating characteristic (ROC) curves.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use serde::Serialize;
 
 use super::cross_validation::Evaluation;
+use super::interval::{Interval, bootstrap};
 use super::prediction::is_foreign;
 use crate::decision::Judge;
 
@@ -62,6 +65,29 @@ impl RocCurve {
         }
         Some(RocCurve { points, area: area / positives.len() as f64 / negatives.len() as f64 })
     }
+}
+
+/// 95 % interval of the area under a curve, by a bootstrap over whole reaches. Each thing is a reach, whether it is a positive, and its
+/// score.
+pub(super) fn area_interval(mut things: Vec<(usize, bool, f64)>) -> Option<Interval> {
+    things.sort_by(|a, b| b.2.total_cmp(&a.2));
+    let reaches: BTreeSet<usize> = things.iter().map(|(reach, ..)| *reach).collect();
+    let places: BTreeMap<usize, usize> = reaches.into_iter().zip(0..).collect();
+    for (reach, ..) in &mut things {
+        *reach = places[&*reach];
+    }
+    bootstrap(places.len(), |times| {
+        let (mut positives, mut negatives, mut area) = (0_usize, 0_usize, 0.0);
+        for tied in things.chunk_by(|a, b| a.2 == b.2) {
+            let mut own = [0_usize; 2];
+            for (reach, is_positive, _) in tied {
+                own[usize::from(*is_positive)] += times[*reach];
+            }
+            area += own[0] as f64 * (positives as f64 + own[1] as f64 / 2.0);
+            (negatives, positives) = (negatives + own[0], positives + own[1]);
+        }
+        (positives > 0 && negatives > 0).then(|| area / positives as f64 / negatives as f64)
+    })
 }
 
 /// One category against all others. Positives are its trials; the score is its margin over the best other category in

@@ -7,6 +7,7 @@ use serde::Serialize;
 use underbrush_recording::Recording;
 
 use super::error::EvaluateError;
+use super::object_verdicts::CostVerdicts;
 use super::touch::TouchEvaluation;
 use super::touch_figures::TouchFigures;
 use crate::touch::{TouchDecision, TouchExamples, TouchModel, TouchOptions};
@@ -24,6 +25,8 @@ pub struct TouchReport {
     pub categories: Vec<String>,
     /// How verdicts were decided, by each model.
     pub decisions: Vec<TouchDecision>,
+    /// The verdicts on known objects with other costs of an uncertain verdict.
+    pub verdicts_by_cost: Vec<CostVerdicts>,
     /// Shares of right and wrong verdicts.
     #[serde(flatten)]
     pub figures: TouchFigures,
@@ -85,10 +88,11 @@ fn judged<R: ReadReaches>(
         })?;
     }
     let mut figures = TouchFigures::of(&verdicts, categories);
+    let verdicts_by_cost = CostVerdicts::of(&figures.objects, categories, &decisions);
     // One part was judged after the other.
     let positions: Vec<usize> = (0..parts).flat_map(|part| (part..count).step_by(parts)).collect();
     figures.objects.iter_mut().for_each(|own| own.reach = positions[own.reach]);
-    Ok(TouchReport { folds, reaches: count, categories: categories.to_vec(), decisions, figures })
+    Ok(TouchReport { folds, reaches: count, categories: categories.to_vec(), decisions, verdicts_by_cost, figures })
 }
 
 /// Judges reaches with a model.

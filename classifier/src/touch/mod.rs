@@ -37,7 +37,7 @@ pub use decision::{TouchDecision, TouchVerdict};
 pub use frame::{SkinTracker, TAXEL_FEATURE_COUNT, TaxelCourse, TouchOptions};
 pub use held_out::{check_limit, check_share};
 pub use model::{TOUCH_FORMAT, TouchModel};
-pub(crate) use object::{Followed, Votes, strongest, true_stiffness_n_per_m};
+pub(crate) use object::{Followed, Votes, strongest, true_displacement_m, true_stiffness_n_per_m};
 pub use object::{
     Mobility, OBJECT_FEATURE_COUNT, ObjectCategories, ObjectCourse, ObjectTracker, Stiffness, StiffnessTrees,
     TouchObject, UnknownObjects,

@@ -68,6 +68,10 @@ pub struct ObjectTouch {
     /// Its stiffness where it was touched when its force was largest, as trees learnt it; `None` before it was touched, or if
     /// the model lacks such trees.
     pub learnt_stiffness: Option<Stiffness>,
+    /// Index of the likeliest known category.
+    pub likeliest: usize,
+    /// Probability of this category, if the object is of a known one.
+    pub probability: f64,
     /// The verdict.
     pub touch: TouchVerdict,
 }
@@ -236,7 +240,8 @@ impl TouchClassifier {
                 || score(&self.evidence[places.clone()], weight_n, &self.by_trees[places.clone()], &self.model);
             let best = largest(scores().enumerate()).unwrap_or((0, 0.0));
             let others = scores().map(|score| math::exp(score - best.1)).sum::<f64>();
-            own.touch = self.model.decision.of(best.0, 1.0 / others, own.share_beyond, own.samples);
+            (own.likeliest, own.probability) = (best.0, 1.0 / others);
+            own.touch = self.model.decision.of(own.likeliest, own.probability, own.share_beyond, own.samples);
         }
         self.probabilities_of_objects(count);
     }
@@ -272,6 +277,8 @@ impl TouchClassifier {
                 frames: 0,
                 share_beyond: 1.0,
                 learnt_stiffness: None,
+                likeliest: 0,
+                probability: 1.0 / count as f64,
                 touch: TouchVerdict::Uncertain,
             });
             self.weights_n.push(0.0);

@@ -48,10 +48,10 @@ pub struct Verdicts {
     pub contacts: usize,
     /// The share of the most frequent category among them: the accuracy of always naming it.
     pub largest_category_share: Option<f64>,
-    /// Median number of samples until the first right verdict, over the contacts that get one.
+    /// Median number of samples until the first right verdict, which may not stand, over the contacts that get one.
     pub median_samples_until_right: Option<f64>,
-    /// Share of the contacts that get a right verdict before they end.
-    pub ever_right: Option<f64>,
+    /// Share of the contacts whose last verdict is right.
+    pub right_verdict_at_end: Option<f64>,
     /// Share of the taxel frames in contact without anything pressing that are called nothing.
     pub spurious_called_nothing: Option<f64>,
     /// Share of the taxel frames with a true contact that are called nothing.
@@ -136,7 +136,7 @@ pub fn run(session: &Session) -> Result<VerdictFigures, Fault> {
             contacts: all.contacts.len(),
             largest_category_share: figures.contacts_at_end.map(|own| own.majority_baseline),
             median_samples_until_right: figures.median_samples_until_right,
-            ever_right: figures.first_right_verdict.last().map(|whole| whole.share),
+            right_verdict_at_end: figures.right_after_samples.last().map(|end| end.share),
             spurious_called_nothing: figures.spurious_called_nothing,
             touches_lost: figures.touches_lost,
             expected_calibration_error: figures.expected_calibration_error,

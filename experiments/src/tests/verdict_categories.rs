@@ -68,7 +68,7 @@ fn sets_of_reaches_count_by_their_size() {
         };
         TouchEvaluation {
             objects: verdicts.iter().enumerate().map(object).collect(),
-            reaches: vec![Tally::default(); verdicts.len()],
+            reaches: vec![Default::default(); verdicts.len()],
             ..TouchEvaluation::default()
         }
     };

@@ -54,7 +54,7 @@ fn objects(verdicts: &Verdicts) -> Table {
         .column("at", |(_, own)| own.at)
         .column("objects", |(_, own)| own.objects);
     let shares: [(&str, ShareOf); 3] = [
-        ("right, balanced / %", |own| (own.balanced_right, own.balanced_right_interval)),
+        ("right, balanced / %", |own| (own.balanced_right, own.right_interval)),
         ("wrong / %", |own| (own.wrong, own.wrong_interval)),
         ("uncertain / %", |own| (own.uncertain, own.uncertain_interval)),
     ];
@@ -106,8 +106,8 @@ fn figures(verdicts: &Verdicts) -> Table {
         ("balanced accuracy, whole contact / %", percent(verdicts.touched_balanced_accuracy), 1, contacts),
         ("balanced accuracy, first 0.1 s / %", percent(verdicts.first_tenth_second_balanced_accuracy), 1, contacts),
         ("majority baseline / %", percent(verdicts.largest_category_share), 1, contacts),
-        ("right at some time / %", percent(verdicts.ever_right), 1, contacts),
-        ("samples until then, median", samples, 0, contacts),
+        ("right verdict at the end / %", percent(verdicts.right_verdict_at_end), 1, contacts),
+        ("samples until the first right one, median", samples, 0, contacts),
         ("called nothing / %", percent(verdicts.spurious_called_nothing), 1, spurious),
         ("called nothing by mistake / %", percent(verdicts.touches_lost), 1, touched),
         ("expected calibration error", verdicts.expected_calibration_error, 3, both),
@@ -170,9 +170,9 @@ mod tests {
             at,
             objects,
             balanced_right,
-            balanced_right_interval: interval(0.7, 0.9),
+            right_interval: interval(0.7, 0.9),
             right: 0.8,
-            right_interval: None,
+            named: 0.95,
             wrong: 0.15,
             wrong_interval: interval(0.1, 0.2),
             uncertain: 0.05,
@@ -204,7 +204,7 @@ mod tests {
             contacts: 300,
             largest_category_share: Some(0.7),
             median_samples_until_right: None,
-            ever_right: None,
+            right_verdict_at_end: None,
             spurious_called_nothing: None,
             touches_lost: None,
             expected_calibration_error: None,

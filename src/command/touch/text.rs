@@ -1,7 +1,9 @@
 //! Results of touch models as text.
 
 use underbrush_classifier::evaluate::touch_folds::TouchReport;
-use underbrush_classifier::evaluate::{Interval, ReachFigures, StiffnessFigures, TouchFigures, UnknownFigures};
+use underbrush_classifier::evaluate::{
+    Interval, ObjectVerdicts, PatchFigures, ReachFigures, StiffnessFigures, TouchFigures, UnknownFigures, share,
+};
 use underbrush_classifier::touch::{TouchDecision, TouchRows};
 use underbrush_report::drawing::Rows;
 
@@ -52,15 +54,32 @@ fn number(value: Option<f64>) -> String {
     value.map_or("-".into(), |value| format!("{value:.3}"))
 }
 
+/// A share in per cent with its interval.
+fn with_interval(share: impl Into<Option<f64>>, interval: Option<Interval>) -> String {
+    let interval = interval.map(|own| format!(" ({} to {})", percent(own.low), percent(own.high)));
+    percent(share) + &interval.unwrap_or_default()
+}
+
+/// The verdicts on objects at one moment.
+fn then<'a>(verdicts: &'a [ObjectVerdicts], at: &str) -> Option<&'a ObjectVerdicts> {
+    verdicts.iter().find(|own| own.at == at)
+}
+
+fn balanced_right(own: Option<&ObjectVerdicts>) -> String {
+    own.map_or("-".into(), |own| with_interval(own.balanced_right, own.right_interval))
+}
+
 /// The figures of an evaluation, and what was judged.
 pub(super) fn evaluation(report: &TouchReport, least_unknown_share: Option<f64>) -> String {
     let figures = &report.figures;
     let parts = [
         objects(figures) + &unknown(&figures.unknown),
+        costs(report),
         stiffness(&figures.stiffness),
         verdicts(figures) + &by_reach(&figures.by_reach),
+        patches(&figures.patches),
         contacts(figures),
-        first_right(figures),
+        right_after(figures),
         probabilities(figures),
     ];
     parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
@@ -75,8 +94,10 @@ fn stiffness(figures: &[StiffnessFigures]) -> String {
     Rows::of(figures)
         .column("gave way under 3 N or more", |own| own.truth.as_str())
         .column("objects", |own| own.objects)
-        .percent("stiffness within half to twice %", 0, |own| own.within_twice)
-        .percent("interval holds it %", 0, |own| own.held)
+        .column("stiffness within half to twice % (95 %)", |own| {
+            with_interval(own.within_twice, own.within_twice_interval)
+        })
+        .column("interval holds it % (95 %)", |own| with_interval(own.held, own.held_interval))
         .number("median of told / true", 2, |own| own.median_ratio)
         .text()
 }
@@ -94,22 +115,25 @@ fn judged(report: &TouchReport, least_unknown_share: Option<f64>) -> String {
     report.decisions.iter().map(|own| format!("{reaches}. {}", decision(own, least_unknown_share))).collect()
 }
 
-/// How well unknown objects are found, by the model's own decision.
+/// How well unknown objects are found, and how many known ones are called unknown, by the model's own decision.
 fn unknown(own: &UnknownFigures) -> String {
-    let objects = |part: usize, all: usize, interval: Option<Interval>| {
+    let part = |part: usize, all: usize, interval: Option<Interval>, of: &str| {
         let share = if all > 0 { format!("{:.1} %", 100.0 * part as f64 / all as f64) } else { "-".into() };
-        let interval = interval.map(|own| format!(", 95 %: {:.1} to {:.1}", 100.0 * own.low, 100.0 * own.high));
-        format!("{share} ({part} of {all}{})", interval.unwrap_or_default())
+        let interval = interval.map(|own| format!(", 95 %: {} to {}", percent(own.low), percent(own.high)));
+        format!("{share}{of} ({part} of {all}{})", interval.unwrap_or_default())
     };
+    let area = own.roc_area_interval.map(|own| format!(" (95 %: {:.3} to {:.3})", own.low, own.high));
     format!(
-        "Unknown objects: {} found at the end, {} at the peak of force; by contact {}\n\
-         Known objects: {} called unknown; by contact {}. ROC area of unknown against known objects {}\n",
-        objects(own.found_objects, own.unknown_objects, own.found_interval),
-        objects(own.found_objects_at_peak, own.unknown_objects, None),
-        objects(own.found_contacts, own.unknown_contacts, own.found_contacts_interval),
-        objects(own.false_alarm_objects, own.known_objects, own.false_alarm_interval),
-        objects(own.false_alarm_contacts, own.known_contacts, own.false_alarm_contacts_interval),
-        number(own.roc_area)
+        "At the end found {}, called unknown {}; by contact {} and {}; ROC area {}{}\n\
+         At the peak of force found {}, called unknown {}\n",
+        part(own.found_objects, own.unknown_objects, own.found_interval, " of the unknown objects"),
+        part(own.false_alarm_objects, own.known_objects, own.false_alarm_interval, " of the known objects"),
+        part(own.found_contacts, own.unknown_contacts, own.found_contacts_interval, ""),
+        part(own.false_alarm_contacts, own.known_contacts, own.false_alarm_contacts_interval, ""),
+        number(own.roc_area),
+        area.unwrap_or_default(),
+        part(own.found_objects_at_peak, own.unknown_objects, own.found_at_peak_interval, ""),
+        part(own.false_alarm_objects_at_peak, own.known_objects, own.false_alarm_at_peak_interval, "")
     )
 }
 
@@ -118,7 +142,7 @@ fn objects(figures: &TouchFigures) -> String {
     let rows = Rows::of(&figures.object_verdicts)
         .column("known objects at", |own| own.at)
         .column("objects", |own| own.objects)
-        .percent("right %, balanced", 1, |own| own.balanced_right)
+        .column("right %, balanced (95 %)", |own| balanced_right(Some(own)))
         .percent("right %", 1, |own| own.right)
         .percent("wrong %", 1, |own| own.wrong)
         .percent("called unknown %", 1, |own| own.called_unknown);
@@ -128,7 +152,45 @@ fn objects(figures: &TouchFigures) -> String {
             format!("{:.1} % of the force comes from the object that each group stands for", 100.0 * own.purity);
         format!("{groups} of contacts for {objects} true objects; {purity}\n")
     });
-    if figures.object_verdicts.is_empty() { grouping } else { rows.text() + &grouping }
+    let flips = figures.flips.map_or(String::new(), |own| {
+        let objects = output::counted(own.objects, "object", "objects");
+        let interval = own.without_interval.map(|own| format!(" (95 %: {} to {})", percent(own.low), percent(own.high)));
+        let (without, interval) = (percent(own.without), interval.unwrap_or_default());
+        format!(
+            "The verdict on an object changes {:.2} times on average, and never for {without} %{interval} of {objects}; its mean cost \
+             while the object is felt is {:.3} (1 if wrong, the model's cost of uncertain if uncertain)\n",
+            own.mean_flips, own.mean_cost
+        )
+    });
+    let verdicts = if figures.object_verdicts.is_empty() { String::new() } else { rows.text() };
+    verdicts + &flips + &grouping
+}
+
+/// The verdicts on known objects at other costs of an uncertain one.
+fn costs(report: &TouchReport) -> String {
+    let rows = report.verdicts_by_cost.iter().filter(|own| !own.object_verdicts.is_empty());
+    let rows = Rows::of(rows)
+        .column("cost of uncertain", |own| {
+            format!("{:.3}{}", own.cost_of_uncertain, if own.is_own { ", as decided" } else { "" })
+        })
+        .number("named above", 3, |own| own.named_above);
+    let rows = ["0.3 s", "end"].into_iter().fold(rows, |rows, at| {
+        rows.percent(format!("{at}: named %"), 1, |own| then(&own.object_verdicts, at).map(|own| own.named))
+            .column("right %, balanced (95 %)", |own| balanced_right(then(&own.object_verdicts, at)))
+            .percent("wrong %", 1, |own| then(&own.object_verdicts, at).map(|own| own.wrong))
+    });
+    if rows.things().next().is_none() {
+        return String::new();
+    }
+    let choice = if report.folds.is_some() {
+        "These reaches were held out, so the cost may be chosen by this table"
+    } else {
+        "Choose it on other reaches or by cross-validation, because these test the model"
+    };
+    format!(
+        "{}Known objects. --cost-of-uncertain of evaluate, classify and replay sets the cost. {choice}\n",
+        rows.text()
+    )
 }
 
 /// The families of unknown objects that a model was trained on.
@@ -145,7 +207,7 @@ fn verdicts(figures: &TouchFigures) -> String {
     Rows::of(&figures.truths)
         .column("truth", |own| own.truth.as_str())
         .column("taxel frames", |own| own.taxel_frames)
-        .column("right %", |own| percent(own.right))
+        .column("right % (95 %)", |own| with_interval(own.right, own.right_interval))
         .column("wrong %", |own| percent(own.wrong))
         .column("uncertain %", |own| percent(own.uncertain))
         .column("called unknown %", |own| percent(own.called_unknown))
@@ -161,26 +223,51 @@ fn by_reach(own: &ReachFigures) -> String {
     )
 }
 
+/// The patches beside each other, if there are several.
+fn patches(figures: &[PatchFigures]) -> String {
+    let [first, _, ..] = figures else { return String::new() };
+    let rows = Rows::of(figures).column("patch", |own| own.patch.as_str());
+    let rows = ["0.3 s", "end"].into_iter().fold(rows, |rows, at| {
+        rows.column(format!("known objects at {at}"), |own| then(&own.object_verdicts, at).map_or(0, |own| own.objects))
+            .column("right %, balanced (95 %)", |own| balanced_right(then(&own.object_verdicts, at)))
+    });
+    let rows = rows.column("unknown found % (95 %)", |own| {
+        let own = &own.unknown;
+        with_interval(share(own.found_objects, own.unknown_objects), own.found_interval)
+    });
+    let headings = first.truths.iter().map(|own| format!("frames right %: {}", own.truth));
+    rows.columns(headings, |own| own.truths.iter().map(|own| percent(own.right)).collect::<Vec<_>>()).text()
+}
+
 fn contacts(figures: &TouchFigures) -> String {
-    Rows::of([("whole contact", figures.contacts_at_end), ("first 10 samples", figures.contacts_after_tenth_second)])
-        .column("touched contacts by", |(name, _)| name)
-        .column("contacts", |(_, own)| own.map_or(0, |own| own.trials))
-        .column("accuracy %", |(_, own)| percent(own.map(|own| own.accuracy)))
-        .column("balanced accuracy %", |(_, own)| percent(own.and_then(|own| own.balanced_accuracy)))
-        .column("majority baseline %", |(_, own)| percent(own.map(|own| own.majority_baseline)))
+    let first_interval = figures.contacts_after_tenth_second_interval;
+    let rows = [
+        ("whole contact", figures.contacts_at_end, figures.contacts_at_end_interval),
+        ("first 10 samples", figures.contacts_after_tenth_second, first_interval),
+    ];
+    Rows::of(rows)
+        .column("touched contacts by", |(name, ..)| name)
+        .column("contacts", |(_, own, _)| own.map_or(0, |own| own.trials))
+        .column("accuracy %", |(_, own, _)| percent(own.map(|own| own.accuracy)))
+        .column("balanced accuracy % (95 %)", |(_, own, interval)| {
+            with_interval(own.and_then(|own| own.balanced_accuracy), interval)
+        })
+        .column("majority baseline %", |(_, own, _)| percent(own.map(|own| own.majority_baseline)))
         .text()
 }
 
-fn first_right(figures: &TouchFigures) -> String {
-    if figures.first_right_verdict.is_empty() {
+fn right_after(figures: &TouchFigures) -> String {
+    if figures.right_after_samples.is_empty() {
         return String::new();
     }
-    let mut text = Rows::of(&figures.first_right_verdict)
-        .column("samples", |own| own.samples.map_or("whole contact".into(), |samples| samples.to_string()))
-        .percent("contacts with a right verdict by then, %", 1, |own| own.share)
+    let mut text = Rows::of(&figures.right_after_samples)
+        .column("n", |own| own.samples.map_or("at the end".into(), |samples| samples.to_string()))
+        .column("contacts with a right verdict standing after n samples, % (95 %)", |own| {
+            with_interval(own.share, own.interval)
+        })
         .text();
     if let Some(median) = figures.median_samples_until_right {
-        text += &format!("Where there is a right verdict, the first comes after {median} samples (median)\n");
+        text += &format!("Where a verdict is ever right, the first right one comes after {median} samples (median)\n");
     }
     text
 }
@@ -188,8 +275,9 @@ fn first_right(figures: &TouchFigures) -> String {
 fn probabilities(figures: &TouchFigures) -> String {
     let (nothing, lost) = (percent(figures.spurious_called_nothing), percent(figures.touches_lost));
     let (calibration, brier) = (number(figures.expected_calibration_error), number(figures.brier_score));
+    let of_objects = number(figures.object_calibration_error);
     format!(
         "Spurious readings called nothing: {nothing} %; true contacts lost by that: {lost} %\n\
-         Expected calibration error {calibration}, Brier score {brier}\n"
+         Expected calibration error {calibration}, Brier score {brier}; of known objects at 0.3 s: expected calibration error {of_objects}\n"
     )
 }

@@ -37,6 +37,13 @@ fn the_evaluation_counts_the_verdicts() {
     let names: Vec<&str> = truths.iter().map(|own| own["truth"].as_str().unwrap()).collect();
     assert_eq!(names, ["nothing", "leaf", "trunk", "anything else"]);
     assert!(counts.contains_key("trunk"), "{counts:?}");
+    let patches = found["patches"].as_array().unwrap();
+    let patch_names: Vec<&str> = patches.iter().map(|own| own["patch"].as_str().unwrap()).collect();
+    assert_eq!(patch_names, ["flipper", "forearm"]);
+    for (index, own) in truths.iter().enumerate() {
+        let frames = patches.iter().map(|patch| patch["truths"][index]["taxel_frames"].as_u64().unwrap());
+        assert_eq!(own["taxel_frames"], json!(frames.sum::<u64>()));
+    }
     for own in truths {
         let [all, right] = counts.get(own["truth"].as_str().unwrap()).copied().unwrap_or_default();
         assert_eq!(own["taxel_frames"].as_f64(), Some(all));
@@ -89,7 +96,20 @@ fn reaches_are_cross_validated() {
     assert_eq!((&cross["folds"], cross["decisions"].as_array().unwrap().len()), (&json!(2), 2));
     assert_eq!(cross["contacts_at_end"]["trials"], stored["contacts_at_end"]["trials"]);
     assert!(stored["folds"].is_null() && cross["unknown"]["unknown_objects"] == 0);
-    for key in ["expected_calibration_error", "brier_score", "spurious_called_nothing", "touches_lost"] {
+    // At the models' own cost of an uncertain verdict, the verdicts are those that they gave.
+    let by_cost = cross["verdicts_by_cost"].as_array().unwrap();
+    let own: Vec<&Value> = by_cost.iter().filter(|own| own["is_own"] == true).collect();
+    let moments = cross["object_verdicts"].as_array().unwrap().iter();
+    let later: Vec<&Value> = moments.filter(|own| own["at"] == "0.3 s" || own["at"] == "end").collect();
+    assert_eq!((by_cost.len(), own.len(), later.len()), (5, 1, 2));
+    assert_eq!(own[0]["object_verdicts"], json!(later));
+    for key in [
+        "expected_calibration_error",
+        "object_calibration_error",
+        "brier_score",
+        "spurious_called_nothing",
+        "touches_lost",
+    ] {
         let share = cross[key].as_f64().unwrap();
         assert!((0.0..=2.0).contains(&share), "{key}: {share}");
     }
@@ -99,13 +119,17 @@ fn reaches_are_cross_validated() {
     let text = cross_validate(&[]).success();
     for part in [
         "called unknown %",
-        "balanced accuracy %",
+        "balanced accuracy % (95 %)",
         "majority baseline %",
         "first 10 samples",
-        "contacts with a right verdict by then",
+        "contacts with a right verdict standing after n samples, % (95 %)",
         "Spurious readings called nothing",
         "Expected calibration error",
-        "Unknown objects: - (0 of 0) found at the end",
+        "At the end found - of the unknown objects (0 of 0), called unknown 0.0 % of the known objects (0 of ",
+        "The verdict on an object changes",
+        "frames right %: anything else",
+        "0.300, as decided",
+        "held out, so the cost may be chosen by this table",
         "Trained without --auxiliary, so nothing is called unknown",
         "4 reaches in 2 folds",
     ] {

@@ -1,6 +1,6 @@
 use super::*;
-use crate::evaluate::wilson;
-use crate::touch::Stiffness;
+use crate::evaluate::{CostVerdicts, Likeliest, ObjectVerdicts, wilson};
+use crate::touch::{Stiffness, TouchDecision};
 
 /// An object with some verdict at its peak and at its end, and the shares of its two contacts that are called unknown.
 fn object(reach: usize, truth: &str, at_peak: &str, at_end: &str, share_beyond: f64) -> JudgedObject {
@@ -95,16 +95,33 @@ fn verdicts_at_a_moment_have_intervals() {
     // All are uncertain, in two reaches: nothing is said beyond two of two.
     let start = found[0];
     assert_eq!((start.uncertain, start.uncertain_interval), (1.0, Some(wilson(2, 2))));
-    assert_eq!((start.wrong_interval, start.balanced_right_interval), (Some(wilson(0, 2)), Some(wilson(0, 2))));
+    assert_eq!((start.wrong_interval, start.right_interval), (Some(wilson(0, 2)), Some(wilson(0, 2))));
     // At the end the leaf of reach 0 is right, and of the leaf and the trunk of reach 1 the leaf.
     let end = found[3];
-    assert_eq!((end.right_interval, end.balanced_right_interval), (interval(0.5, 1.0), interval(0.5, 1.0)));
+    assert_eq!(end.right_interval, interval(0.5, 1.0));
     assert_eq!((end.wrong_interval, end.uncertain), (interval(0.0, 0.5), 0.0));
     // With two more leaves in reach 0, three of four leaves and no trunk are right at the peak, and none in reach 1.
     let more = [objects(), vec![object(0, "leaf", "leaf", "leaf", 0.9); 2]].concat();
     let peak = ObjectVerdicts::of(&more, &["leaf".into(), "trunk".into()])[2];
     assert_eq!((peak.right, peak.balanced_right), (0.6, 0.375));
-    assert_eq!(peak.balanced_right_interval, interval(0.0, 1.0));
+    assert_eq!(peak.right_interval, interval(0.0, 1.0));
+}
+
+/// Tests that the interval beside the balanced share is that of the balanced one: nine leaves of each reach are right, and every second
+/// trunk.
+#[test]
+fn intervals_belong_to_balanced_shares() {
+    let in_reach = |reach: usize| {
+        let trunk = if reach.is_multiple_of(2) { "trunk" } else { "leaf" };
+        let leaves = (0..9).map(move |_| object(reach, "leaf", "leaf", "leaf", 0.9));
+        leaves.chain([object(reach, "trunk", trunk, trunk, 0.9)])
+    };
+    let objects: Vec<JudgedObject> = (0..20).flat_map(in_reach).collect();
+    let found = ObjectVerdicts::of(&objects, &["leaf".into(), "trunk".into()]);
+    let end = found.last().unwrap();
+    assert_eq!((end.balanced_right, end.right), (0.75, 0.95));
+    let interval = end.right_interval.unwrap();
+    assert!(interval.low < 0.75 && interval.high > 0.75 && interval.high < 0.95, "{interval:?}");
 }
 
 /// Tests that a verdict on an object that is found to be a trunk later is compared with the leaf that had pressed until then.
@@ -117,6 +134,48 @@ fn verdicts_are_compared_with_what_had_pressed_until_then() {
     };
     let found = ObjectVerdicts::of(&[own], &["leaf".into(), "trunk".into()]);
     assert_eq!(found.iter().map(|own| own.right).collect::<Vec<_>>(), [0.0, 1.0, 1.0, 1.0]);
+}
+
+/// Tests what is named at each cost of an uncertain verdict, that what is unknown stays unknown, and that the cost of the decisions is marked
+/// if they have the same.
+#[test]
+fn the_cost_decides_what_is_named() {
+    let object = |truth: &str, at_end: &str, likeliest: &str, probability: f64| JudgedObject {
+        likeliest_at_end: Likeliest { category: likeliest.into(), probability },
+        ..object(0, truth, at_end, at_end, 0.9)
+    };
+    let objects = [
+        object("leaf", "leaf", "leaf", 0.95),
+        object("leaf", "uncertain", "leaf", 0.65),
+        object("trunk", "uncertain", "leaf", 0.55),
+        object("trunk", "unknown", "trunk", 0.99),
+    ];
+    let decision = TouchDecision { cost_of_uncertain: 0.25, ..TouchDecision::default() };
+    let of = |decisions: &[TouchDecision]| CostVerdicts::of(&objects, &["leaf".into(), "trunk".into()], decisions);
+    let found = of(&[decision; 2]);
+    let ends = found.iter().map(|own| (own, own.object_verdicts.last().unwrap()));
+    let ends: Vec<_> = ends.map(|(own, end)| (own.cost_of_uncertain, own.is_own, end.named, end.wrong)).collect();
+    let few = |cost, is_own| (cost, is_own, 0.25, 0.25);
+    let first = [few(0.1, false), few(0.2, false), few(0.25, true), few(0.3, false)];
+    assert_eq!(ends, [&first[..], &[(0.4, false, 0.5, 0.25), (0.5, false, 0.75, 0.5)]].concat());
+    assert!(of(&[decision, TouchDecision::default()]).iter().all(|own| !own.is_own));
+}
+
+/// Tests that an object counts at each moment for the patch that most of its force came from until then.
+#[test]
+fn objects_count_for_their_patch() {
+    let own = |early: &str, patch: &str, at_end: &str| JudgedObject {
+        patch_after_300_ms: early.into(),
+        patch: patch.into(),
+        ..object(0, "leaf", "leaf", at_end, 0.9)
+    };
+    let objects = [own("hand", "hand", "leaf"), own("hand", "arm", "trunk"), own("arm", "arm", "leaf")];
+    let counts = |patch: &str| -> Vec<_> {
+        let found = ObjectVerdicts::of_patch(&objects, &["leaf".into(), "trunk".into()], patch);
+        found.iter().map(|own| (own.at, own.objects, own.right)).collect()
+    };
+    assert_eq!(counts("hand"), [("0.3 s", 2, 1.0), ("end", 1, 1.0)]);
+    assert_eq!(counts("arm"), [("0.3 s", 1, 1.0), ("end", 2, 0.5)]);
 }
 
 /// Tests that the purity is the share of the force that comes from the true object, and that all objects that pressed count, those of one

@@ -25,6 +25,22 @@ fn the_area_is_the_chance_to_rank_a_pair_rightly() {
     assert!((curve.area + swapped.area - 1.0).abs() < 1e-15);
 }
 
+/// Tests that the interval of an area holds it, and that there is none for one reach, or without negatives.
+#[test]
+fn areas_have_intervals_over_reaches() {
+    let pair = |reach: u8| {
+        let [positive, negative] = [reach % 5, reach % 3].map(f64::from);
+        [(usize::from(reach), true, positive), (usize::from(reach), false, negative)]
+    };
+    let things: Vec<_> = (0..20).flat_map(pair).collect();
+    let scores = |of: bool| -> Vec<f64> { things.iter().filter(|own| own.1 == of).map(|own| own.2).collect() };
+    let area = RocCurve::of(&scores(true), &scores(false)).unwrap().area;
+    let interval = area_interval(things.clone()).unwrap();
+    assert!(0.5 < interval.low && interval.low < area && area < interval.high && interval.high < 0.9, "{interval:?}");
+    assert_eq!(area_interval(things[..2].to_vec()), None);
+    assert_eq!(area_interval(things.into_iter().filter(|own| own.1).collect()), None);
+}
+
 /// Tests both ends of the curve, that it never decreases, and each point against a count of the scores at or above its
 /// threshold.
 #[test]

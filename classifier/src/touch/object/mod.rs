@@ -29,6 +29,6 @@ pub use stiffness::StiffnessTrees;
 pub use tracker::{ObjectTracker, TouchObject};
 pub(super) use training::{ObjectExample, Open, fit_objects};
 pub(super) use truth::add_votes;
-pub(crate) use truth::{Followed, Votes, strongest, true_stiffness_n_per_m};
+pub(crate) use truth::{Followed, Votes, strongest, true_displacement_m, true_stiffness_n_per_m};
 pub use unknown::UnknownObjects;
 pub(super) use unknown::stage;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use underbrush_recording::{Category, Recording};
+use underbrush_recording::{BodyOwner, Category, Recording, math};
 
 use super::tracker::ObjectTracker;
 use crate::frequency::largest;
@@ -81,9 +81,24 @@ pub(crate) fn true_stiffness_n_per_m(recording: &Recording, frame: usize, object
     (work > GIVES_WAY_M * force_n).then(|| force_n * force_n / work)
 }
 
+/// How far an object has truly moved from the first of these frames to the second, m: the way of the centre of its shape that has moved
+/// farthest. `None` if its bodies are not recorded.
+pub(crate) fn true_displacement_m(recording: &Recording, frames: [usize; 2], object: u16) -> Option<f64> {
+    let [first, last] = frames.map(|frame| u32::try_from(frame).unwrap_or(u32::MAX));
+    let bodies = recording.bodies.iter().filter(|body| body.owner == BodyOwner::Object(object));
+    let ways_m = bodies.flat_map(|body| {
+        let poses_world = [first, last].map(|frame| body.pose_world(frame));
+        body.parts.iter().map(move |part| {
+            let [before, after] = poses_world.map(|pose| pose.transform_point(part.pose_body.position));
+            before.distance(after)
+        })
+    });
+    ways_m.reduce(math::larger)
+}
+
 #[cfg(test)]
 mod tests {
-    use underbrush_recording::{Body, BodyOwner, ContactPoint, Frame, Pose};
+    use underbrush_recording::{Body, BodyPart, BodyShape, ContactPoint, Frame, Pose};
 
     use super::*;
     use crate::trial::tests::recording;
@@ -118,5 +133,29 @@ mod tests {
         let found = true_stiffness_n_per_m(&recording, 1, 0).unwrap();
         assert!((found / 200.0 - 1.0).abs() < 0.01, "{found}");
         assert_eq!(true_stiffness_n_per_m(&recording, 0, 0), None);
+    }
+
+    /// Tests that the displacement of an object is that of its shape that moved farthest, between the two frames and not from where it
+    /// was built, and that there is none without bodies.
+    #[test]
+    fn the_true_displacement_is_that_of_the_farthest_shape() {
+        let part = BodyPart { shape: BodyShape::Sphere { radius_m: 0.02 }, pose_body: Pose::from_position(DVec3::Z) };
+        let body = |object: u16, shifts_m: [f64; 3]| {
+            let mut body = Body {
+                owner: BodyOwner::Object(object),
+                parts: vec![part.clone()],
+                rest_pose_world: Pose::IDENTITY,
+                track: Vec::new(),
+            };
+            for (frame, shift_m) in (0..).zip(shifts_m) {
+                body.observe(frame, &Pose::from_position(shift_m * DVec3::X));
+            }
+            body
+        };
+        let bodies = vec![body(0, [0.5, 0.5, 0.503]), body(0, [0.1, 0.1, 0.11]), body(1, [0.0, 0.2, 0.9])];
+        let recording = Recording { bodies, ..recording(&[]) };
+        let moved = |frames: [usize; 2], object: u16| true_displacement_m(&recording, frames, object);
+        assert!((moved([1, 2], 0).unwrap() - 0.01).abs() < 3e-4, "{:?}", moved([1, 2], 0));
+        assert_eq!((moved([0, 1], 0), moved([0, 1], 2)), (Some(0.0), None));
     }
 }
