@@ -101,7 +101,7 @@ pub(super) struct Scene {
     /// Pairs of links of one tree that pass through each other, in either order.
     pub(super) passing_links: Vec<[PlacedLink; 2]>,
     /// The pairs of shapes that may collide, sorted. At least one shape of each can move.
-    pub(super) pairs: Vec<[ColliderHandle; 2]>,
+    pairs: Vec<[ColliderHandle; 2]>,
     /// Whether shapes were added or removed since the pairs were found.
     is_changed: bool,
 }
@@ -338,17 +338,29 @@ impl Scene {
         self.is_changed = false;
     }
 
-    /// Whether a pair of shapes belongs to different parts or trees and may come near each other before one of them has
-    /// left its room. The broad phase has compared their groups; its own boxes may be larger.
+    /// Whether a pair of shapes may meet before one of them has left its room. The broad phase has compared their groups; its own
+    /// boxes may be larger.
     fn may_meet(&self, pair: &[ColliderHandle; 2]) -> bool {
         let [first, second] = pair.map(|collider| self.mount(collider));
         let within_m = 2.0 * ROOM_M + NEAR_M + excess_m(first.found_way_m) + excess_m(second.found_way_m);
+        self.may_touch(first, second) && gaps_m(&first.found_extent, &second.found_extent).max_element() <= within_m
+    }
+
+    /// Whether shapes whose groups collide may touch: they belong to different parts or trees, and do not pass through each
+    /// other.
+    fn may_touch(&self, first: &Mount, second: &Mount) -> bool {
         !first.belongs_to(second)
             && !first.stands_in(second)
             && !second.stands_in(first)
             && !self.passing.iter().any(|pair| is_pair(pair, [first.kind, second.kind]))
             && !self.passing_links.iter().any(|pair| is_pair(pair, [first.at, second.at]))
-            && gaps_m(&first.found_extent, &second.found_extent).max_element() <= within_m
+    }
+
+    /// The pairs of shapes that are near each other in the step, sorted, and where their shapes are. No other pair can have a
+    /// contact.
+    pub(super) fn near_pairs(&self) -> impl Iterator<Item = ([ColliderHandle; 2], [&Mount; 2])> {
+        let pairs = self.pairs.iter().map(|pair| (*pair, pair.map(|collider| self.mount(collider))));
+        pairs.filter(|(_, [first, second])| first.distance_at_least_m(second) <= first.near_m(second))
     }
 }
 

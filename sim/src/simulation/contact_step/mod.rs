@@ -137,15 +137,11 @@ impl ContactStep {
         scratch.nodes.clear();
         scratch.apart.clear();
         self.missed_overlap_m = 0.0;
-        for colliders in &scene.pairs {
-            let mounts = colliders.map(|collider| scene.mount(collider));
-            if mounts[0].distance_at_least_m(mounts[1]) > mounts[0].near_m(mounts[1]) {
-                continue;
-            }
-            let meeting = Meeting::new(scene, *colliders, mounts, step_s);
+        for (colliders, mounts) in scene.near_pairs() {
+            let meeting = Meeting::new(scene, colliders, mounts, step_s);
             match self.find(&meeting, &mut scratch.nodes, &mut scratch.faces, &mut scratch.depth_search) {
                 Found::Patch(candidate) => scratch.candidates.push(candidate),
-                Found::Apart(normal_world) => scratch.apart.push((key(colliders), meeting.kept_apart(normal_world))),
+                Found::Apart(normal_world) => scratch.apart.push((key(&colliders), meeting.kept_apart(normal_world))),
                 Found::Nothing => {
                     self.missed_overlap_m = self.missed_overlap_m.max(meeting.overlap_m(&mut scratch.faces));
                 }
