@@ -272,10 +272,16 @@ fn the_advised_grouping_is_the_default() {
 #[test]
 fn options_that_do_not_apply_are_refused() {
     let (table, model) = (fixture().table_csv(), fixture().model());
-    for option in ["--states", "--iterations", "--max-samples", "--tolerance", "--variance-floor"] {
-        underbrush!["evaluate", table, "--classifier", "logistic", option, "3"]
+    for (option, value) in [
+        ("--states", "3"),
+        ("--iterations", "3"),
+        ("--max-samples", "3"),
+        ("--tolerance", "0.5"),
+        ("--variance-floor", "0.5"),
+    ] {
+        underbrush!["evaluate", table, "--classifier", "logistic", option, value]
             .refused(&[option, "hidden Markov models"]);
-        underbrush!["evaluate", table, "--model", model, option, "3"].refused(&[option, "trained already"]);
+        underbrush!["evaluate", table, "--model", model, option, value].refused(&[option, "trained already"]);
     }
     for (option, value) in
         [("--features", "force"), ("--recipe", "modern"), ("--topology", "ergodic"), ("--initial", "uniform")]

@@ -1,5 +1,5 @@
-use underbrush_classifier::evaluate::touch::TouchEvaluation;
 use underbrush_classifier::evaluate::JudgedObject;
+use underbrush_classifier::evaluate::touch::TouchEvaluation;
 use underbrush_classifier::touch::TouchExamples;
 use underbrush_recording::Recording;
 use underbrush_sim::reach::ReachPlan;
