@@ -157,8 +157,7 @@ fn objects(figures: &TouchFigures) -> String {
         let interval = own.without_interval.map(|own| format!(" (95 %: {} to {})", percent(own.low), percent(own.high)));
         let (without, interval) = (percent(own.without), interval.unwrap_or_default());
         format!(
-            "The verdict on an object changes {:.2} times on average, and never for {without} %{interval} of {objects}; its mean cost \
-             while the object is felt is {:.3} (1 if wrong, the model's cost of uncertain if uncertain)\n",
+            "The verdict on an object changes {:.2} times on average, and never for {without} %{interval} of {objects}; mean cost {:.3}\n",
             own.mean_flips, own.mean_cost
         )
     });
@@ -169,14 +168,12 @@ fn objects(figures: &TouchFigures) -> String {
 /// The verdicts on known objects at other costs of an uncertain one.
 fn costs(report: &TouchReport) -> String {
     let rows = report.verdicts_by_cost.iter().filter(|own| !own.object_verdicts.is_empty());
-    let rows = Rows::of(rows)
-        .column("cost of uncertain", |own| {
-            format!("{:.3}{}", own.cost_of_uncertain, if own.is_own { ", as decided" } else { "" })
-        })
-        .number("named above", 3, |own| own.named_above);
+    let rows = Rows::of(rows).column("uncertain costs", |own| {
+        format!("{}{}", own.cost_of_uncertain, if own.is_own { ", as decided" } else { "" })
+    });
     let rows = ["0.3 s", "end"].into_iter().fold(rows, |rows, at| {
         rows.percent(format!("{at}: named %"), 1, |own| then(&own.object_verdicts, at).map(|own| own.named))
-            .column("right %, balanced (95 %)", |own| balanced_right(then(&own.object_verdicts, at)))
+            .column("right % (95 %)", |own| balanced_right(then(&own.object_verdicts, at)))
             .percent("wrong %", 1, |own| then(&own.object_verdicts, at).map(|own| own.wrong))
     });
     if rows.things().next().is_none() {
@@ -188,7 +185,7 @@ fn costs(report: &TouchReport) -> String {
         "Choose it on other reaches or by cross-validation, because these test the model"
     };
     format!(
-        "{}Known objects. --cost-of-uncertain of evaluate, classify and replay sets the cost. {choice}\n",
+        "{}Known objects; right % is balanced. --cost-of-uncertain of evaluate, classify and replay sets the cost. {choice}\n",
         rows.text()
     )
 }
@@ -223,19 +220,20 @@ fn by_reach(own: &ReachFigures) -> String {
     )
 }
 
-/// The patches beside each other, if there are several.
+/// The patches beside each other, if there are several: shares of known objects that are right, balanced, of unknown ones that are
+/// found, and of taxel frames that are right.
 fn patches(figures: &[PatchFigures]) -> String {
     let [first, _, ..] = figures else { return String::new() };
     let rows = Rows::of(figures).column("patch", |own| own.patch.as_str());
     let rows = ["0.3 s", "end"].into_iter().fold(rows, |rows, at| {
-        rows.column(format!("known objects at {at}"), |own| then(&own.object_verdicts, at).map_or(0, |own| own.objects))
-            .column("right %, balanced (95 %)", |own| balanced_right(then(&own.object_verdicts, at)))
+        rows.column(format!("objects at {at}"), |own| then(&own.object_verdicts, at).map_or(0, |own| own.objects))
+            .column("right % (95 %)", |own| balanced_right(then(&own.object_verdicts, at)))
     });
-    let rows = rows.column("unknown found % (95 %)", |own| {
+    let rows = rows.column("unknown % (95 %)", |own| {
         let own = &own.unknown;
         with_interval(share(own.found_objects, own.unknown_objects), own.found_interval)
     });
-    let headings = first.truths.iter().map(|own| format!("frames right %: {}", own.truth));
+    let headings = first.truths.iter().map(|own| format!("{} frames %", own.truth));
     rows.columns(headings, |own| own.truths.iter().map(|own| percent(own.right)).collect::<Vec<_>>()).text()
 }
 
