@@ -106,13 +106,6 @@ impl Trials {
         Ok(Trials::joined(session.experiment, &reaches(session.experiment), options, parts))
     }
 
-    /// The trials of all reaches of a campaign with these numbers of reaches of each training scene, in their order.
-    pub fn of_recordings(experiment: &Experiment, reaches: &[u64], recordings: &[Recording]) -> Result<Self, Fault> {
-        let options = experiment.trial_options();
-        let parts = recordings.iter().map(|recording| Trials::cut(recording, &options));
-        Ok(Trials::joined(experiment, reaches, &options, parts.collect::<Result<_, _>>()?))
-    }
-
     /// Runs a campaign of the training scenes and keeps only its trials, because the frames of twenty campaigns would fill a disk.
     pub fn of_campaign(experiment: &Experiment, campaign: &Campaign, progress: &dyn Progress) -> Result<Self, Fault> {
         let options = experiment.trial_options();

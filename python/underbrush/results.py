@@ -249,8 +249,6 @@ class TouchEvaluation(TypedDict):
     stiffness: list[dict[str, Any]]
     truths: list[dict[str, Any]]
     patches: list[dict[str, Any]]
-    contacts_after_tenth_second: dict[str, Any] | None
-    contacts_after_tenth_second_interval: Interval | None
     contacts_at_end: dict[str, Any] | None
     contacts_at_end_interval: Interval | None
     by_reach: dict[str, Any]
@@ -260,6 +258,5 @@ class TouchEvaluation(TypedDict):
     expected_calibration_error: float | None
     object_calibration_error: float | None
     right_after_samples: list[dict[str, Any]]
-    median_samples_until_right: float | None
     spurious_called_nothing: float | None
     touches_lost: float | None

@@ -111,10 +111,8 @@ const COSTS: [f64; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
 /// probabilities, do not depend on it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CostVerdicts {
-    /// The cost.
+    /// The cost. A category is named above a probability of 1 minus it.
     pub cost_of_uncertain: f64,
-    /// A category is named above this probability: 1 minus the cost.
-    pub named_above: f64,
     /// Whether the verdicts of the evaluation were decided with this cost.
     pub is_own: bool,
     /// The verdicts 0.3 s after the first contact and at the end.
@@ -129,7 +127,6 @@ impl CostVerdicts {
         let costs = COSTS.into_iter().chain(own.filter(|own| !COSTS.contains(own)));
         let at_cost = |cost: f64| CostVerdicts {
             cost_of_uncertain: cost,
-            named_above: 1.0 - cost,
             is_own: own == Some(cost),
             object_verdicts: [
                 ObjectVerdicts::at("0.3 s", objects, categories, |own| {

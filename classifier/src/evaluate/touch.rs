@@ -41,7 +41,7 @@ impl CalibrationBin {
 
     /// Mean difference between probability and frequency of the likeliest class, weighted by the counts of the bins
     /// (Naeini et al. 2015); `None` without any count.
-    fn expected_error(bins: &[CalibrationBin; CALIBRATION_BINS]) -> Option<f64> {
+    pub(super) fn expected_error(bins: &[CalibrationBin; CALIBRATION_BINS]) -> Option<f64> {
         let count: usize = bins.iter().map(|bin| bin.count).sum();
         let difference = |bin: &CalibrationBin| (bin.probability - bin.true_count as f64).abs();
         (count > 0).then(|| bins.iter().map(difference).sum::<f64>() / count as f64)
@@ -170,12 +170,12 @@ impl TouchEvaluation {
         known(&self.tallies)
     }
 
-    /// How often the likeliest category of a contact is right, for a model with these categories; `None` without
+    /// How often the likeliest category of a whole contact is right, for a model with these categories; `None` without
     /// contacts. There is no balanced accuracy unless every category has a contact.
-    pub fn accuracy(&self, categories: &[String], likeliest: fn(&JudgedContact) -> usize) -> Option<Accuracy> {
+    pub fn accuracy(&self, categories: &[String]) -> Option<Accuracy> {
         let record = |own: &JudgedContact| {
             let truth = &categories[own.category];
-            Record { truth, verdict: likeliest(own), scores: &[], reach: None }
+            Record { truth, verdict: own.at_end, scores: &[], reach: None }
         };
         let confusion = ConfusionMatrix::of(self.contacts.iter().map(record), categories);
         let accuracy = confusion.accuracy()?;
@@ -184,18 +184,12 @@ impl TouchEvaluation {
     }
 
     /// The 95 % interval of the balanced accuracy of [`Self::accuracy`], from a bootstrap over reaches.
-    pub(super) fn accuracy_interval(&self, likeliest: fn(&JudgedContact) -> usize) -> Option<Interval> {
-        let is_right = |own: &JudgedContact| usize::from(likeliest(own) == own.category);
+    pub(super) fn accuracy_interval(&self) -> Option<Interval> {
+        let is_right = |own: &JudgedContact| usize::from(own.at_end == own.category);
         bootstrap_balanced(self.contacts.iter().map(|own| (own.reach as u64, own.category, [is_right(own), 1])))
     }
 
-    /// The expected calibration error over taxel frames: the mean difference between probability and frequency of the likeliest class
-    /// (Naeini et al. 2015); `None` without any taxel frame.
-    pub fn expected_calibration_error(&self) -> Option<f64> {
-        CalibrationBin::expected_error(&self.calibration)
-    }
-
-    /// The same over objects of these categories, of their likeliest category 0.3 s after the first contact.
+    /// The expected calibration error over objects of these categories, of their likeliest category 0.3 s after the first contact.
     pub fn object_calibration_error(&self, categories: &[String]) -> Option<f64> {
         let mut bins = [CalibrationBin::default(); CALIBRATION_BINS];
         for own in self.objects.iter().filter(|own| categories.contains(&own.truth_after_300_ms)) {

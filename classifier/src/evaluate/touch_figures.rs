@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
-use underbrush_recording::math::median;
 
 use super::frame_figures::{ReachFigures, TruthFigures};
 use super::interval::{Interval, bootstrap_by_reach};
@@ -43,14 +42,8 @@ pub struct TouchFigures {
     pub contacts_at_end: Option<Accuracy>,
     /// 95 % interval of their balanced accuracy, from a bootstrap over reaches.
     pub contacts_at_end_interval: Option<Interval>,
-    /// The same contacts, by their first ten samples, or by the whole contact if it is shorter.
-    pub contacts_after_tenth_second: Option<Accuracy>,
-    /// 95 % interval of this balanced accuracy, from a bootstrap over reaches.
-    pub contacts_after_tenth_second_interval: Option<Interval>,
     /// How many of these contacts had a verdict that stood and was right after 1, 2, 3, … samples.
     pub right_after_samples: Vec<RightAfter>,
-    /// Median number of samples until the first right verdict, which may not have stood, over the contacts that had one.
-    pub median_samples_until_right: Option<f64>,
     /// Mean difference between probability and frequency of the likeliest class.
     pub expected_calibration_error: Option<f64>,
     /// The same of the likeliest category of known objects, 0.3 s after the first contact.
@@ -103,9 +96,8 @@ impl TouchFigures {
     pub fn of(evaluation: &TouchEvaluation, categories: &[String]) -> Self {
         let (nothing, known) = (evaluation.tallies.first().copied().unwrap_or_default(), evaluation.known());
         let patches: BTreeSet<&String> = evaluation.reaches.iter().flat_map(BTreeMap::keys).collect();
-        let contacts_at_end = contacts(evaluation, categories, |own| own.at_end);
-        let after_tenth_second = contacts(evaluation, categories, |own| own.after_tenth_second);
-        let until_right = evaluation.contacts.iter().filter_map(|own| own.samples_until_right);
+        let contacts_at_end = evaluation.accuracy(categories);
+        let is_balanced = contacts_at_end.is_some_and(|own| own.balanced_accuracy.is_some());
         TouchFigures {
             unknown: UnknownFigures::of(&evaluation.objects, categories),
             object_verdicts: ObjectVerdicts::of(&evaluation.objects, categories),
@@ -118,13 +110,10 @@ impl TouchFigures {
             by_reach: ReachFigures::of(evaluation),
             spurious_called_nothing: nothing.share(nothing.right),
             touches_lost: known.share(known.nothing),
-            contacts_at_end: contacts_at_end.0,
-            contacts_at_end_interval: contacts_at_end.1,
-            contacts_after_tenth_second: after_tenth_second.0,
-            contacts_after_tenth_second_interval: after_tenth_second.1,
+            contacts_at_end,
+            contacts_at_end_interval: evaluation.accuracy_interval().filter(|_| is_balanced),
             right_after_samples: right_after(&evaluation.contacts),
-            median_samples_until_right: median(until_right.map(|samples| samples as f64).collect()),
-            expected_calibration_error: evaluation.expected_calibration_error(),
+            expected_calibration_error: CalibrationBin::expected_error(&evaluation.calibration),
             object_calibration_error: evaluation.object_calibration_error(categories),
             brier_score: evaluation.brier_score(),
             calibration: evaluation.calibration.to_vec(),
@@ -132,24 +121,13 @@ impl TouchFigures {
     }
 }
 
-/// The accuracy over contacts, and the interval of the balanced one, if there is one.
-fn contacts(
-    evaluation: &TouchEvaluation,
-    categories: &[String],
-    likeliest: fn(&JudgedContact) -> usize,
-) -> (Option<Accuracy>, Option<Interval>) {
-    let accuracy = evaluation.accuracy(categories, likeliest);
-    let is_balanced = accuracy.is_some_and(|own| own.balanced_accuracy.is_some());
-    (accuracy, evaluation.accuracy_interval(likeliest).filter(|_| is_balanced))
-}
-
 /// The share of contacts whose verdict was right after 1, 2, 3, … samples, and at their end.
 fn right_after(contacts: &[JudgedContact]) -> Vec<RightAfter> {
     let moments = SAMPLE_COUNTS.into_iter().map(Some).chain([None]).enumerate();
     let right = |(index, samples): (usize, Option<usize>)| {
-        let is_right = |own: &JudgedContact| own.right_after.get(index).copied().unwrap_or(own.right_at_end);
-        let share = share(contacts.iter().filter(|own| is_right(own)).count(), contacts.len())?;
-        let interval = bootstrap_by_reach(contacts.iter().map(|own| (Some(own.reach as u64), is_right(own))));
+        let share = share(contacts.iter().filter(|own| own.right_after[index]).count(), contacts.len())?;
+        let right = contacts.iter().map(|own| (Some(own.reach as u64), own.right_after[index]));
+        let interval = bootstrap_by_reach(right);
         Some(RightAfter { samples, share, interval })
     };
     moments.filter_map(right).collect()
@@ -161,15 +139,14 @@ mod tests {
     use crate::evaluate::{Likeliest, Tally, wilson};
 
     /// A contact that has a right verdict from this sample on.
-    fn contact(category: usize, ends: [usize; 2], samples_until_right: Option<usize>) -> JudgedContact {
+    fn contact(category: usize, at_end: usize, right_from: Option<usize>) -> JudgedContact {
         JudgedContact {
             reach: 0,
             category,
-            at_end: ends[1],
-            after_tenth_second: ends[0],
-            right_after: SAMPLE_COUNTS.map(|count| samples_until_right.is_some_and(|first| first <= count)),
-            right_at_end: samples_until_right.is_some(),
-            samples_until_right,
+            at_end,
+            right_after: std::array::from_fn(|index| {
+                right_from.is_some_and(|first| SAMPLE_COUNTS.get(index).is_none_or(|count| first <= *count))
+            }),
         }
     }
 
@@ -182,10 +159,10 @@ mod tests {
         let evaluation = TouchEvaluation {
             tallies: vec![tally(6, 2, 2, 0, 0), tally(10, 5, 5, 2, 1), tally(8, 2, 2, 0, 0), none],
             contacts: vec![
-                contact(0, [1, 0], Some(12)),
-                contact(1, [1, 1], Some(1)),
-                contact(1, [0, 0], None),
-                contact(1, [1, 1], Some(3)),
+                contact(0, 0, Some(12)),
+                contact(1, 1, Some(1)),
+                contact(1, 0, None),
+                contact(1, 1, Some(3)),
             ],
             // The first reach has 3 of 20 called another category and 1 unknown, the second 1 of 12, the third no
             // contact.
@@ -215,20 +192,18 @@ mod tests {
         assert_eq!(figures.spurious_called_nothing, Some(0.6));
         // Two of 32.
         assert_eq!(figures.touches_lost, Some(0.0625));
-        let accuracy = |accuracy, balanced| Accuracy {
+        let accuracy = Accuracy {
             trials: 4,
-            accuracy,
+            accuracy: 0.75,
             majority_baseline: 0.75,
-            balanced_accuracy: Some(balanced),
+            balanced_accuracy: Some((1.0 + 2.0 / 3.0) / 2.0),
         };
-        assert_eq!(figures.contacts_at_end, Some(accuracy(0.75, (1.0 + 2.0 / 3.0) / 2.0)));
-        assert_eq!(figures.contacts_after_tenth_second, Some(accuracy(0.5, 1.0 / 3.0)));
+        assert_eq!(figures.contacts_at_end, Some(accuracy));
         let after = |samples: Option<usize>| {
             let own = figures.right_after_samples.iter().find(|own| own.samples == samples);
             own.unwrap().share
         };
         assert_eq!([Some(1), Some(2), Some(3), Some(12), None].map(after), [0.25, 0.25, 0.5, 0.75, 0.75]);
-        assert_eq!(figures.median_samples_until_right, Some(3.0));
     }
 
     /// Tests the calibration error of objects against a value by hand: of four that are leaves with a probability of 0.775, three are. A

@@ -134,7 +134,7 @@ struct Now<'a> {
 impl Followed<OpenObject> {
     /// Takes in the verdicts on a frame of the recording.
     pub(super) fn judge(&mut self, classifier: &TouchClassifier, frame: usize, recording: &Recording) {
-        let tracker = classifier.object_tracker();
+        let tracker = &classifier.tracker;
         self.update(classifier.patches(), tracker);
         let felt = classifier.patches().iter().flat_map(SkinTracker::regions);
         for (region, felt) in classifier.regions().iter().zip(felt) {

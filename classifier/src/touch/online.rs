@@ -110,7 +110,7 @@ pub struct ObjectReport<'a> {
 pub struct TouchClassifier {
     model: Arc<TouchModel>,
     patches: Vec<SkinTracker>,
-    tracker: ObjectTracker,
+    pub(crate) tracker: ObjectTracker,
     taxels: Vec<TaxelTouch>,
     regions: Vec<RegionTouch>,
     /// In the order of the tracker's objects.
@@ -336,11 +336,6 @@ impl TouchClassifier {
     /// Regions and taxels of each patch that the model judges, as the classifier sees them in the last frame.
     pub fn patches(&self) -> &[SkinTracker] {
         &self.patches
-    }
-
-    /// Objects as the classifier sees them in the last frame.
-    pub fn object_tracker(&self) -> &ObjectTracker {
-        &self.tracker
     }
 
     /// The taxels in contact in the last frame, patch by patch and region by region.

@@ -58,8 +58,6 @@ pub struct Detection {
 /// Areas under the curves; 0.5 is chance.
 #[derive(Serialize)]
 pub struct Areas {
-    /// The first label against the others.
-    pub category_area: Option<f64>,
     /// Outliers against known categories.
     pub outlier_area: Option<f64>,
 }
@@ -84,10 +82,7 @@ pub fn run(session: &Session) -> Result<OutlierThresholds, Fault> {
     Ok(OutlierThresholds {
         figure_15: Outliers { drawn: online.outlier_drawn, reaches: online.outlier.len(), detection: found },
         thresholds: curves.chosen.as_ref().ok().cloned(),
-        roc: Areas {
-            category_area: curves.category_roc.as_ref().map(|curve| curve.area),
-            outlier_area: curves.outlier_roc.as_ref().map(|curve| curve.area),
-        },
+        roc: Areas { outlier_area: curves.outlier_roc.as_ref().map(|curve| curve.area) },
         curves,
         online,
     })

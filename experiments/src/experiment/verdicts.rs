@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use underbrush_classifier::evaluate::touch::TouchEvaluation;
-use underbrush_classifier::evaluate::{Accuracy, EvaluateError, ObjectVerdicts, Tally, TouchFigures, UnknownFigures};
+use underbrush_classifier::evaluate::{EvaluateError, ObjectVerdicts, TouchFigures, UnknownFigures};
 use underbrush_classifier::touch::TouchExamples;
 use underbrush_recording::{Fault, Recording};
 
@@ -42,14 +42,10 @@ pub struct Verdicts {
     /// Balanced accuracy (mean over the categories of the share that is right) over contacts of taxels that a known
     /// category truly touched, by the category that is likeliest over the whole contact.
     pub touched_balanced_accuracy: Option<f64>,
-    /// Balanced accuracy over these contacts by the first ten samples, or by the whole contact if it is shorter.
-    pub first_tenth_second_balanced_accuracy: Option<f64>,
     /// Number of these contacts.
     pub contacts: usize,
     /// The share of the most frequent category among them: the accuracy of always naming it.
     pub largest_category_share: Option<f64>,
-    /// Median number of samples until the first right verdict, which may not stand, over the contacts that get one.
-    pub median_samples_until_right: Option<f64>,
     /// Share of the contacts whose last verdict is right.
     pub right_verdict_at_end: Option<f64>,
     /// Share of the taxel frames in contact without anything pressing that are called nothing.
@@ -64,8 +60,6 @@ pub struct Verdicts {
     pub outlier: Option<UnknownFigures>,
     /// As `unknown`, without the reaches of the first outlier.
     pub second_outlier: Option<UnknownFigures>,
-    /// Verdicts on taxel frames of known categories, by test scene.
-    pub scenes: Vec<SceneFigures>,
     /// Number of reaches. The networks were fitted to all of them except the held-out part.
     pub training_reaches: usize,
     /// All verdicts on the held-out reaches.
@@ -74,21 +68,6 @@ pub struct Verdicts {
     /// The known categories.
     #[serde(skip)]
     pub categories: Vec<String>,
-}
-
-/// Verdicts on the taxel frames of known categories in the test reaches of one scene.
-#[derive(Clone, Debug, Serialize)]
-pub struct SceneFigures {
-    /// The scene.
-    pub scene: String,
-    /// Taxel frames.
-    pub taxel_frames: usize,
-    /// Share that is right.
-    pub right: f64,
-    /// Share that is wrong: another category, unknown, or nothing.
-    pub wrong: f64,
-    /// Share that is uncertain.
-    pub uncertain: f64,
 }
 
 /// Fits the networks and judges reaches that were held out.
@@ -108,34 +87,27 @@ pub fn run(session: &Session) -> Result<VerdictFigures, Fault> {
             drawn(session, section, scene)?.iter().try_for_each(|recording| examples.add_auxiliary(recording))?;
         }
         let model = Arc::new(examples.fit(None)?);
-        let judge = |found: &Found| -> Result<_, Fault> {
-            Ok((found.scene.clone(), TouchEvaluation::of_all(&model, &found.reaches)?))
-        };
+        let judge = |found: &Found| TouchEvaluation::of_all(&model, &found.reaches);
         let known = tests.engineered.iter().map(|(_, found)| found).chain(&tests.general);
-        let known: Vec<(String, TouchEvaluation)> = known.map(judge).collect::<Result<_, _>>()?;
+        let known: Vec<TouchEvaluation> = known.map(judge).collect::<Result<_, _>>()?;
         let categories = model.categories().to_vec();
         let judge_unknown = |found: &Option<Found>| -> Result<Option<TouchEvaluation>, Fault> {
             let found = found.as_ref().filter(|_| !section.auxiliary.is_empty());
-            Ok(found.map(judge).transpose()?.map(|(_, own)| own))
+            Ok(found.map(judge).transpose()?)
         };
         let (outlier, second_outlier) = (judge_unknown(&tests.outlier)?, judge_unknown(&tests.second_outlier)?);
-        let beside_known = |unknown: &[&TouchEvaluation]| {
-            pooled(unknown.iter().copied().chain(known.iter().map(|(_, own)| own)), &categories)
-        };
+        let beside_known = |unknown: &[&TouchEvaluation]| pooled(unknown.iter().copied().chain(&known), &categories);
         let of_outlier = |own: &Option<TouchEvaluation>| own.as_ref().map(|own| beside_known(&[own]).unknown);
         let both: Vec<&TouchEvaluation> = outlier.iter().chain(&second_outlier).collect();
         let tested = beside_known(&both);
         let figures = TouchFigures::of(&all, &categories);
-        let balanced = |accuracy: Option<Accuracy>| accuracy.and_then(|own| own.balanced_accuracy);
         let verdicts = Verdicts {
             held_out_objects: figures.object_verdicts,
             test_objects: tested.object_verdicts,
             unknown: (!both.is_empty()).then_some(tested.unknown),
-            touched_balanced_accuracy: balanced(figures.contacts_at_end),
-            first_tenth_second_balanced_accuracy: balanced(figures.contacts_after_tenth_second),
+            touched_balanced_accuracy: figures.contacts_at_end.and_then(|own| own.balanced_accuracy),
             contacts: all.contacts.len(),
             largest_category_share: figures.contacts_at_end.map(|own| own.majority_baseline),
-            median_samples_until_right: figures.median_samples_until_right,
             right_verdict_at_end: figures.right_after_samples.last().map(|end| end.share),
             spurious_called_nothing: figures.spurious_called_nothing,
             touches_lost: figures.touches_lost,
@@ -143,7 +115,6 @@ pub fn run(session: &Session) -> Result<VerdictFigures, Fault> {
             brier_score: figures.brier_score,
             outlier: of_outlier(&outlier),
             second_outlier: of_outlier(&second_outlier),
-            scenes: known.iter().filter_map(|(scene, own)| SceneFigures::of(scene, &own.known())).collect(),
             training_reaches: recordings.len(),
             held_out: all,
             categories,
@@ -190,16 +161,4 @@ pub(crate) fn pooled<'a>(parts: impl IntoIterator<Item = &'a TouchEvaluation>, c
     let mut all = TouchEvaluation::default();
     parts.into_iter().for_each(|own| all.add(own.clone()));
     TouchFigures::of(&all, categories)
-}
-
-impl SceneFigures {
-    fn of(scene: &str, tally: &Tally) -> Option<Self> {
-        Some(SceneFigures {
-            scene: scene.to_owned(),
-            taxel_frames: tally.total(),
-            right: tally.share(tally.right)?,
-            wrong: tally.share(tally.wrong)?,
-            uncertain: tally.share(tally.uncertain)?,
-        })
-    }
 }

@@ -102,7 +102,7 @@ const TOUCH: Metric = Metric { needs_touch_model: true, ..VERDICT };
 /// assert!(shares.clone().count() > 0);
 /// assert!(METRICS.iter().all(|metric| !metric.summary.is_empty()));
 /// ```
-pub const METRICS: [Metric; 18] = [
+pub const METRICS: [Metric; 17] = [
     Metric {
         name: "audit",
         summary: "Largest error of the physics, each relative to the simulator's own bound for it",
@@ -211,12 +211,6 @@ pub const METRICS: [Metric; 18] = [
         ..VERDICT
     },
     Metric {
-        name: "never_right",
-        summary: "Share of the taxel contacts with such objects that end without a right verdict",
-        of_reach: never_right,
-        ..VERDICT
-    },
-    Metric {
         name: "taxels_per_frame",
         summary: "Mean number of taxels that the classifier updates in a frame with contact",
         by_category: false,
@@ -267,22 +261,9 @@ fn objects_called_unknown(reach: &Measured, category: Option<Category>) -> Optio
     evaluate::share(called, own.len())
 }
 
-/// The number of samples to the first right verdict of each contact with this category; `None` for contacts without
-/// one.
-fn first_right(reach: &Measured, category: Option<Category>) -> Option<Vec<Option<usize>>> {
-    let (stream, category) = (reach.stream?, category?);
-    let contacts = stream.contacts.iter().filter(|contact| contact.truth == category);
-    Some(contacts.map(|contact| contact.first_right).collect())
-}
-
 fn samples_to_right(reach: &Measured, category: Option<Category>) -> Option<f64> {
-    median(first_right(reach, category)?.into_iter().flatten().map(|samples| samples as f64).collect())
-}
-
-fn never_right(reach: &Measured, category: Option<Category>) -> Option<f64> {
-    let contacts = first_right(reach, category)?;
-    let never = contacts.iter().filter(|samples| samples.is_none()).count();
-    evaluate::share(never, contacts.len())
+    let contacts = reach.stream?.contacts.iter().filter(|contact| Some(contact.truth) == category);
+    median(contacts.filter_map(|contact| contact.first_right).map(|samples| samples as f64).collect())
 }
 
 fn taxels_per_frame(reach: &Measured, _: Option<Category>) -> Option<f64> {

@@ -25,9 +25,6 @@ pub fn add(report: &mut Report, outcome: &ComparedSettings) {
         report.page.table(&table);
         report.print(&table, table.columns.len());
     }
-    if !outcome.verdict_transfer.is_empty() {
-        report.printed(verdict_table(outcome), usize::MAX);
-    }
     // The tables above link to this table's file.
     report.tables.push(all(outcome));
 }
@@ -79,19 +76,6 @@ fn of_classifier(outcome: &ComparedSettings, classifier: &str) -> Table {
     });
     table.rows.push(std::iter::once("majority baseline".into()).chain(majority).collect());
     table
-}
-
-/// Verdict networks at each setting.
-fn verdict_table(outcome: &ComparedSettings) -> Table {
-    let caption = "Verdicts on touched contacts, balanced over the categories, by networks fitted at the setting and by networks \
-                   fitted to as many reaches at the scenes' own";
-    Rows::of(&outcome.verdict_transfer)
-        .column("tested at", |row| row.setting.as_str())
-        .percent("fitted there / %", 1, |row| row.fitted_here)
-        .percent("fitted nominally / %", 1, |row| row.fitted_nominally)
-        .number("difference / points", 1, |row| Some(100.0 * row.fitted_nominally? - 100.0 * row.fitted_here?))
-        .column("contacts", |row| row.contacts)
-        .table("verdict_transfer", caption)
 }
 
 /// All splits, one per row.

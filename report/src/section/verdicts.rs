@@ -33,9 +33,6 @@ pub fn add(report: &mut Report, outcome: &VerdictFigures) {
         "Figures on unknown objects are left out: they need auxiliary unknown objects in training, and an outlier to test on.",
     ));
     report.printed(figures(verdicts), 3);
-    if !verdicts.scenes.is_empty() {
-        report.numbers(scenes(verdicts));
-    }
     let caption = "How often the likeliest class was true, against its probability; on the dotted line probabilities mean what \
                    they say.";
     report.page.figure(caption, &[calibration_chart(&verdicts.held_out.calibration)]);
@@ -101,13 +98,10 @@ fn figures(verdicts: &Verdicts) -> Table {
     let touched = "taxel frames that a known category touches";
     let both = "taxel frames of nothing and known categories";
     let percent = |share: Option<f64>| share.map(|share| 100.0 * share);
-    let samples = verdicts.median_samples_until_right;
     let rows = [
         ("balanced accuracy, whole contact / %", percent(verdicts.touched_balanced_accuracy), 1, contacts),
-        ("balanced accuracy, first 0.1 s / %", percent(verdicts.first_tenth_second_balanced_accuracy), 1, contacts),
         ("majority baseline / %", percent(verdicts.largest_category_share), 1, contacts),
         ("right verdict at the end / %", percent(verdicts.right_verdict_at_end), 1, contacts),
-        ("samples until the first right one, median", samples, 0, contacts),
         ("called nothing / %", percent(verdicts.spurious_called_nothing), 1, spurious),
         ("called nothing by mistake / %", percent(verdicts.touches_lost), 1, touched),
         ("expected calibration error", verdicts.expected_calibration_error, 3, both),
@@ -118,16 +112,6 @@ fn figures(verdicts: &Verdicts) -> Table {
         .column("held-out reaches", |(_, value, decimals, _)| Cell::optional(value, decimals))
         .column("of", |(.., of)| of)
         .table("verdicts", "Contacts of taxels and taxel frames in held-out reaches")
-}
-
-fn scenes(verdicts: &Verdicts) -> Table {
-    Rows::of(&verdicts.scenes)
-        .column("scene", |scene| scene.scene.as_str())
-        .percent("right / %", 1, |scene| scene.right)
-        .percent("wrong / %", 1, |scene| scene.wrong)
-        .percent("uncertain / %", 1, |scene| scene.uncertain)
-        .column("taxel frames", |scene| scene.taxel_frames)
-        .table("verdicts_by_scene", "Verdicts on taxels that known categories touch, in the test reaches")
 }
 
 /// Mean probability of the likeliest class in a bin, and how often it was true, in per cent.
@@ -200,16 +184,13 @@ mod tests {
             outlier: Some(outlier),
             second_outlier: None,
             touched_balanced_accuracy: Some(0.9),
-            first_tenth_second_balanced_accuracy: None,
             contacts: 300,
             largest_category_share: Some(0.7),
-            median_samples_until_right: None,
             right_verdict_at_end: None,
             spurious_called_nothing: None,
             touches_lost: None,
             expected_calibration_error: None,
             brier_score: None,
-            scenes: Vec::new(),
             training_reaches: 12,
             held_out: TouchEvaluation::default(),
             categories: vec!["leaf".into(), "trunk".into()],

@@ -238,19 +238,13 @@ fn patches(figures: &[PatchFigures]) -> String {
 }
 
 fn contacts(figures: &TouchFigures) -> String {
-    let first_interval = figures.contacts_after_tenth_second_interval;
-    let rows = [
-        ("whole contact", figures.contacts_at_end, figures.contacts_at_end_interval),
-        ("first 10 samples", figures.contacts_after_tenth_second, first_interval),
-    ];
-    Rows::of(rows)
-        .column("touched contacts by", |(name, ..)| name)
-        .column("contacts", |(_, own, _)| own.map_or(0, |own| own.trials))
-        .column("accuracy %", |(_, own, _)| percent(own.map(|own| own.accuracy)))
-        .column("balanced accuracy % (95 %)", |(_, own, interval)| {
-            with_interval(own.and_then(|own| own.balanced_accuracy), interval)
+    Rows::of([figures.contacts_at_end])
+        .column("touched contacts", |own| own.map_or(0, |own| own.trials))
+        .column("accuracy %", |own| percent(own.map(|own| own.accuracy)))
+        .column("balanced accuracy % (95 %)", |own| {
+            with_interval(own.and_then(|own| own.balanced_accuracy), figures.contacts_at_end_interval)
         })
-        .column("majority baseline %", |(_, own, _)| percent(own.map(|own| own.majority_baseline)))
+        .column("majority baseline %", |own| percent(own.map(|own| own.majority_baseline)))
         .text()
 }
 
@@ -258,16 +252,12 @@ fn right_after(figures: &TouchFigures) -> String {
     if figures.right_after_samples.is_empty() {
         return String::new();
     }
-    let mut text = Rows::of(&figures.right_after_samples)
+    Rows::of(&figures.right_after_samples)
         .column("n", |own| own.samples.map_or("at the end".into(), |samples| samples.to_string()))
         .column("contacts with a right verdict standing after n samples, % (95 %)", |own| {
             with_interval(own.share, own.interval)
         })
-        .text();
-    if let Some(median) = figures.median_samples_until_right {
-        text += &format!("Where a verdict is ever right, the first right one comes after {median} samples (median)\n");
-    }
-    text
+        .text()
 }
 
 fn probabilities(figures: &TouchFigures) -> String {

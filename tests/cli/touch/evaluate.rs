@@ -121,7 +121,6 @@ fn reaches_are_cross_validated() {
         "called unknown %",
         "balanced accuracy % (95 %)",
         "majority baseline %",
-        "first 10 samples",
         "contacts with a right verdict standing after n samples, % (95 %)",
         "Spurious readings called nothing",
         "Expected calibration error",

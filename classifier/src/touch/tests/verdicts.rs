@@ -65,7 +65,7 @@ fn springs_are_told_apart() {
         assert!(tally.right as f64 > 0.9 * tally.total() as f64, "{tally:?}");
     }
     assert_eq!(other.total(), 0);
-    let accuracy = evaluation.accuracy(model.categories(), |contact| contact.at_end).unwrap();
+    let accuracy = evaluation.accuracy(model.categories()).unwrap();
     assert_eq!(accuracy.balanced_accuracy, Some(1.0));
 }
 

@@ -111,7 +111,6 @@ fn metrics_are_what_they_say() {
         ("called_nothing", Some(0.1), None),
         ("spurious_called_nothing", Some(0.25), Some(0.25)),
         ("samples_to_right", Some(6.5), None),
-        ("never_right", Some(1.0 / 3.0), None),
         ("taxels_per_frame", Some(6.0), Some(6.0)),
     ];
     assert_eq!(expected.map(|(name, ..)| name), METRICS.map(|metric| metric.name));

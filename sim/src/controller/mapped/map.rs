@@ -186,11 +186,6 @@ impl Map {
         }
     }
 
-    /// Forgets what is fixed and was not known from the start.
-    pub(super) fn forget_fixed(&mut self) {
-        self.obstacles.retain(|own| own.is_known || own.kind != ObstacleKind::Fixed);
-    }
-
     /// Takes in a touch; returns whether it tells something new. What stopped the arm has not given way.
     pub fn learn(&mut self, touch: &Touch, has_stopped: bool) -> bool {
         let Some(index) = self.at(touch) else {
@@ -250,11 +245,6 @@ impl Map {
             own.has_given_way |= is_inside && is_felt(own);
             !is_inside || is_felt(own)
         });
-    }
-
-    /// Forgets the obstacle that was touched last unless it is fixed; returns whether it did.
-    pub fn forget_last_unless_fixed(&mut self) -> bool {
-        self.obstacles.pop_if(|last| last.kind != ObstacleKind::Fixed && !last.is_known).is_some()
     }
 
     /// The obstacles as a planner sees them.

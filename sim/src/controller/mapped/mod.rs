@@ -11,7 +11,7 @@
 use std::collections::VecDeque;
 
 use nalgebra::DVector;
-use underbrush_recording::{Frame, MappedObstacle, Pose};
+use underbrush_recording::{Frame, MappedObstacle, ObstacleKind, Pose};
 
 use super::{ControlStatus, Controller, ControllerInput, ControllerOutput, Intent, Preset, TaxelContact};
 use crate::arm::Arm;
@@ -142,7 +142,7 @@ impl Mapped {
             return None;
         }
         if !was_lost {
-            self.map.forget_fixed();
+            self.map.obstacles.retain(|own| own.is_known || own.kind != ObstacleKind::Fixed);
         }
         let blind = |contact: &TaxelContact| TaxelContact {
             allowed_force_n: contact.allowed_force_n.filter(|_| contact.verdict.is_none()),

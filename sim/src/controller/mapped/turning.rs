@@ -41,7 +41,8 @@ impl Mapped {
                 break;
             }
             if !self.map.forget_one() {
-                if !self.map.forget_last_unless_fixed() {
+                let last = self.map.obstacles.pop_if(|last| last.kind != ObstacleKind::Fixed && !last.is_known);
+                if last.is_none() {
                     break;
                 }
                 // Whatever it is, it is not where it seemed to be.
