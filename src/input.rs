@@ -172,6 +172,13 @@ struct Source {
     data: DataSource,
 }
 
+impl Source {
+    /// Number of its reaches.
+    fn count(&self) -> usize {
+        self.dataset.as_ref().map_or(1, |dataset| dataset.episodes().len())
+    }
+}
+
 /// What commands that need trials accept.
 const WITH_TRIALS: &str = "a data set (folder), recording, folder of recordings or table of trials";
 
@@ -212,6 +219,11 @@ impl Reaches {
         Reaches { sources: self.sources.split_off(count) }
     }
 
+    /// Number of reaches in the first `count` files and folders.
+    pub fn count_in(&self, count: usize) -> usize {
+        self.sources.iter().take(count).map(Source::count).sum()
+    }
+
     /// What the data sets and recordings are.
     pub fn data(&self) -> Vec<DataSource> {
         self.sources.iter().map(|own| own.data.clone()).collect()
@@ -223,10 +235,7 @@ impl Reaches {
     }
 
     fn places(&self) -> impl Iterator<Item = Place<'_>> {
-        self.sources.iter().flat_map(|source| {
-            let reaches = source.dataset.as_ref().map_or(1, |dataset| dataset.episodes().len());
-            (0..reaches).map(move |index| (source, index))
-        })
+        self.sources.iter().flat_map(|source| (0..source.count()).map(move |index| (source, index)))
     }
 }
 

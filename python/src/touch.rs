@@ -74,27 +74,30 @@ impl PyTouchModel {
     }
 
     /// Cross-validate: each part of the reaches is judged by a model that is fitted to the others, with the limits of
-    /// ``fit``.
+    /// ``fit``. ``auxiliary`` reaches, as for ``fit``, are divided as well: fitted to, and judged.
     #[staticmethod]
     #[pyo3(signature = (
-        reaches, patch = None, *, folds = 2, threshold_n = None, limit_wrong = None, jobs = None
-    ))]
+        reaches, patch = None, *, auxiliary = None, folds = 2, threshold_n = None, limit_wrong = None, jobs = None
+    ), text_signature = "(reaches, patch=None, *, auxiliary=(), folds=2, threshold_n=None, limit_wrong=None, jobs=None)")]
     fn cross_validate<'py>(
         py: Python<'py>,
         reaches: &Bound<'py, PyAny>,
         patch: Option<String>,
+        auxiliary: Option<&Bound<'_, PyAny>>,
         #[pyo3(from_py_with = argument::folds)] folds: usize,
         #[pyo3(from_py_with = argument::threshold_n)] threshold_n: Option<f64>,
         #[pyo3(from_py_with = argument::limit_wrong)] limit_wrong: Option<f64>,
         #[pyo3(from_py_with = argument::jobs)] jobs: Option<usize>,
     ) -> Answer<'py> {
         let options = TouchOptions::of(patch, threshold_n);
-        let reaches = Given::of("reaches", reaches)?;
-        limit_wrong.map_or(Ok(()), |share| check_share(share, reaches.count()))?;
+        let mut reaches = Given::of("reaches", reaches)?;
+        let known = reaches.count();
+        limit_wrong.map_or(Ok(()), |share| check_share(share, known))?;
+        reaches.0.extend(auxiliary.map_or(Ok(Given::default()), |own| Given::of("auxiliary", own))?.0);
         let fit = |examples: &TouchExamples| Ok(examples.fit(limit_wrong)?);
         let judge = |_: &_| {
             model_data::check_tested(("reaches", &sources(&reaches.0)?), None, None)?;
-            cross_validate_touch(folds, options, &reaches, fit, Failure::from)
+            cross_validate_touch(folds, options, &reaches, known, fit, Failure::from)
         };
         json::to_python(py, &watched(py, jobs, &Arc::default(), None, judge)?)
     }

@@ -164,11 +164,11 @@ def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:
 
 def test_auxiliary_reaches_are_unknown_objects(data: ub.Dataset, tmp_path, command) -> None:
     """Tests that a model fitted with auxiliary reaches equals the command line's, but for the names of its sources, that
-    they are among its sources, that too few known objects to call anything unknown are warned of, and that reaches that are fitted to
-    are refused as auxiliary ones."""
+    they are among its sources, that too few known objects to call anything unknown are warned of, that reaches that are fitted to
+    are refused as auxiliary ones, and that cross-validation with them gives the command line's figures."""
     scene = tmp_path / "posts.toml"
     scene.write_text(POSTS)
-    posts = ub.generate([scene], 8, tmp_path / "posts", seed=2, progress=False)
+    posts = ub.generate([scene], 16, tmp_path / "posts", seed=2, progress=False)
     expected = "^the model calls nothing unknown, .* or give the commands classify and evaluate a larger --unknown-share$"
     with pytest.warns(UserWarning, match=expected):
         model = ub.TouchModel.fit(list(data), auxiliary=list(posts))
@@ -179,6 +179,9 @@ def test_auxiliary_reaches_are_unknown_objects(data: ub.Dataset, tmp_path, comma
     assert "posts" in json.dumps(own["provenance"])
     with pytest.raises(ub.InputError, match="reaches: found the same data twice"):
         ub.TouchModel.fit(list(data), auxiliary=list(data))
+    judged = ub.TouchModel.cross_validate(data, auxiliary=posts, folds=3)
+    assert judged["reaches"] == len(data) + len(posts)
+    assert judged == command("evaluate", data.path, "--classifier", "touch", "--folds", 3, "--auxiliary", posts.path)
 
 
 def test_model_files_of_the_other_kind_are_named(data: ub.Dataset, tmp_path) -> None:

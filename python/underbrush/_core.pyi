@@ -606,6 +606,7 @@ class TouchModel:
         reaches: _Reaches,
         patch: str | None = None,
         *,
+        auxiliary: _Reaches = ...,
         folds: int = 2,
         threshold_n: float | None = None,
         limit_wrong: float | None = None,

@@ -14,6 +14,7 @@ use underbrush_classifier::evaluate::{
 use underbrush_classifier::registry::CLASSIFIERS;
 use underbrush_classifier::{ClassifierKind, DataSource, Decision, FeatureSet, Model, Provenance, Rule, Scores};
 use underbrush_experiments::model_data;
+use underbrush_recording::disk::with_recordings;
 use underbrush_recording::{Category, Trial};
 use underbrush_report::drawing::Rows;
 
@@ -74,6 +75,10 @@ pub struct EvaluateOptions {
     /// cross-validating. For example, fit at one arm stiffness or hand speed and test at another
     #[arg(long, value_name = "TRIALS", conflicts_with_all = ["folds", "group", "model", "by_samples"])]
     train: Option<PathBuf>,
+    /// With --classifier touch: data sets and recordings of unknown objects, as for `underbrush train`. They are divided into folds
+    /// like TRIALS: each model is fitted to a part of both and judged on the rest of both
+    #[arg(long, value_name = "DATASET", num_args = 1.., conflicts_with_all = ["model", "train"])]
+    auxiliary: Vec<PathBuf>,
     /// Write ROC curves as CSV: each category against the others by its margin, and with --decision paper also outliers
     ///
     /// In the rows of outliers, `threshold_nats` is the largest margin that is called an outlier.
@@ -123,6 +128,8 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
         None => None,
     };
     options.touch.refuse_for_trials()?;
+    let auxiliary = options.auxiliary.first().map(|_| "--auxiliary".to_owned());
+    options::refuse(auxiliary, "applies to --classifier touch only")?;
     options.risk.refuse("applies to the classifier touch only, and this is a classifier of trials")?;
     let path = input::only(&options.trials)?;
     let min_samples = options.cut.min_samples();
@@ -236,14 +243,17 @@ impl EvaluateOptions {
         if self.risk.limit_wrong.is_some() && self.touch.cost_of_uncertain.is_some() {
             return Err(Failure::usage("--limit-wrong chooses what --cost-of-uncertain gives; leave one of them out"));
         }
-        let reaches = Reaches::open(&self.trials)?;
+        let (known, auxiliary) = (with_recordings(&self.trials)?, with_recordings(&self.auxiliary)?);
+        let reaches = Reaches::open(&[&known[..], &auxiliary[..]].concat())?;
+        let known = reaches.count_in(known.len());
         let (model, fitted) = match &judge {
             Judge::Model(model) => (Some(&model.provenance), Vec::new()),
             Judge::FittedTo(training, ..) => (None, training.data()),
             Judge::Folds(..) => (None, Vec::new()),
         };
         self.check(model, &reaches.data(), &fitted)?;
-        touch::evaluate(&reaches, &self.trials, judge, self.risk.limit_wrong, &self.touch, json)
+        let given = [&self.trials[..], &self.auxiliary[..]].concat();
+        touch::evaluate(&reaches, known, &given, judge, self.risk.limit_wrong, &self.touch, json)
     }
 
     fn folds(&self, trials: &[Trial]) -> Folds {

@@ -61,10 +61,12 @@ pub enum EvaluateError {
         remedy: &'static str,
     },
     /// More folds of whole reaches than reaches.
-    #[error("{reaches} reaches are fewer than the {folds} folds; use {}more reaches", if *reaches < 2 { "" } else { "fewer folds or " })]
+    #[error("{reaches} {unit} are fewer than the {folds} folds; use {}more {unit}", if *reaches < 2 { "" } else { "fewer folds or " })]
     FewReaches {
         /// Number of reaches.
         reaches: usize,
+        /// What was counted: reaches or auxiliary reaches.
+        unit: &'static str,
         /// Number of folds.
         folds: usize,
     },

@@ -105,7 +105,8 @@ pub fn judge_touch<R: ReadReaches>(model: TouchModel, reaches: &R) -> Result<Tou
 }
 
 /// Cross-validates touch models, which know what touches the skin from readings with these options. Reach i belongs to part i
-/// modulo `folds`. Each part is judged by a model that `fit` fits to the other parts.
+/// modulo `folds`. Each part is judged by a model that `fit` fits to the other parts. The reaches after the first `known` are
+/// auxiliary ones, as for [`TouchExamples::add_auxiliary`].
 ///
 /// # Errors
 /// What `refused` makes of an [`EvaluateError`], if there are too few folds, reaches or categories. Folds and reaches are counted
@@ -114,16 +115,28 @@ pub fn cross_validate_touch<R: ReadReaches>(
     folds: usize,
     options: TouchOptions,
     reaches: &R,
+    known: usize,
     fit: impl Fn(&TouchExamples) -> Result<TouchModel, R::Error>,
     refused: impl Fn(EvaluateError) -> R::Error,
 ) -> Result<TouchReport, R::Error> {
     if folds < 2 {
         return Err(refused(EvaluateError::FoldCount { found: folds }));
     }
-    if reaches.count() < folds {
-        return Err(refused(EvaluateError::FewReaches { reaches: reaches.count(), folds }));
+    let few = |reaches, unit| Err(refused(EvaluateError::FewReaches { reaches, unit, folds }));
+    if known < folds {
+        return few(known, "reaches");
     }
-    let examples = touch_examples(reaches, options)?;
+    // As of the others, each part has some, if there are any.
+    let auxiliary = reaches.count() - known;
+    if (1..folds).contains(&auxiliary) {
+        return few(auxiliary, "auxiliary reaches");
+    }
+    let (mut examples, mut position) = (TouchExamples::new(options), 0);
+    reaches.read(&|_| true, &mut |recording| {
+        position += 1;
+        let added = if position > known { examples.add_auxiliary(recording) } else { examples.add(recording) };
+        Ok(added?)
+    })?;
     let categories = examples.categories();
     let models = (0..folds).map(|fold| {
         let model = fit(&examples.some(|position| position % folds != fold))?;

@@ -69,12 +69,18 @@ impl TouchExamples {
         Ok(())
     }
 
-    /// The rows of those recordings for whose position `keeps` returns true, in the order in which they were added, and those
-    /// of all auxiliary sets.
+    /// The rows of those recordings for whose position `keeps` returns true, in the order in which they were added. The positions
+    /// of auxiliary recordings follow those of the others.
     pub fn some(&self, keeps: impl Fn(usize) -> bool) -> TouchExamples {
-        let reaches = self.reaches.iter().enumerate();
-        let kept = reaches.filter(|(index, _)| keeps(*index)).map(|(_, reach)| Arc::clone(reach));
-        TouchExamples { options: self.options.clone(), reaches: kept.collect(), auxiliary: self.auxiliary.clone() }
+        let kept = |reaches: &[Arc<Examples>], first: usize| -> Vec<Arc<Examples>> {
+            let kept = (first..).zip(reaches).filter(|(position, _)| keeps(*position));
+            kept.map(|(_, reach)| Arc::clone(reach)).collect()
+        };
+        TouchExamples {
+            options: self.options.clone(),
+            reaches: kept(&self.reaches, 0),
+            auxiliary: kept(&self.auxiliary, self.reaches.len()),
+        }
     }
 
     /// The categories that a model of these rows knows, in alphabetical order.

@@ -4,6 +4,7 @@
 
 mod text;
 
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -155,23 +156,26 @@ pub enum Judge<'a> {
     Folds(usize, TouchOptions),
 }
 
-/// Judges reaches with ground truth, which are from these paths, and prints the figures. Models that are fitted keep the limit of
-/// wrong verdicts.
+/// Judges reaches with ground truth, which are from these paths, and prints the figures. The reaches after the first `known` are
+/// auxiliary ones. Models that are fitted keep the limit of wrong verdicts.
 pub fn evaluate(
     reaches: &Reaches,
+    known: usize,
     paths: &[PathBuf],
     judge: Judge<'_>,
     limit_wrong: Option<f64>,
     decision: &TouchDecisionArguments,
     json: bool,
 ) -> Result<(), Failure> {
+    // The largest of the folds', with which every model can call something unknown.
+    let least_unknown_share: Cell<Option<f64>> = Cell::new(None);
     let deciding = |mut model: TouchModel| {
         model.decision = decision.over(model.decision);
+        let least = model.least_unknown_share();
+        least_unknown_share.set(least.map(|least| least.max(least_unknown_share.get().unwrap_or(least))));
         model
     };
     let fitted = |examples: &TouchExamples, options: &TouchOptions| fit(examples, options, limit_wrong).map(deciding);
-    // The others are fitted without auxiliary sets.
-    let least_unknown_share = if let Judge::Model(model) = &judge { model.least_unknown_share() } else { None };
     let report = match judge {
         Judge::Model(model) => judge_touch(deciding(*model), reaches)?,
         Judge::FittedTo(training, path, options) => {
@@ -185,10 +189,10 @@ pub fn evaluate(
                 error => about(error.into(), paths),
             };
             let fit = |examples: &TouchExamples| fitted(examples, &options).map_err(|failure| about(failure, paths));
-            cross_validate_touch(count, options.clone(), reaches, fit, refused)?
+            cross_validate_touch(count, options.clone(), reaches, known, fit, refused)?
         }
     };
-    output::result(json, &report, || text::evaluation(&report, least_unknown_share))
+    output::result(json, &report, || text::evaluation(&report, least_unknown_share.get()))
 }
 
 /// Options on scenes that are given in place of data sets.

@@ -28,14 +28,21 @@ pub(super) fn rows(rows: &TouchRows) -> String {
 
 /// When each verdict is given, by a model that needs this unknown share to call anything unknown; `None` if none is enough.
 pub(super) fn decision(decision: &TouchDecision, least_unknown_share: Option<f64>) -> String {
-    let TouchDecision { nothing_above, unknown_share, cost_of_uncertain } = decision;
+    let TouchDecision { nothing_above, cost_of_uncertain, .. } = decision;
     let nothing = if *nothing_above < 1.0 {
         format!("A reading is called nothing above a probability of {nothing_above:.3}")
     } else {
         "No reading is called nothing, which takes a probability above 1".into()
     };
-    let unknown = match least_unknown_share {
-        least if *unknown_share >= least.unwrap_or(1.0) => format!(
+    let unknown = called_unknown(decision, least_unknown_share);
+    format!("{nothing}, {unknown}, and a category is named above a probability of {:.3}\n", 1.0 - cost_of_uncertain)
+}
+
+/// Which objects are called unknown.
+fn called_unknown(decision: &TouchDecision, least_unknown_share: Option<f64>) -> String {
+    let unknown_share = decision.unknown_share;
+    match least_unknown_share {
+        least if unknown_share >= least.unwrap_or(1.0) => format!(
             "an object unknown if at most {:.2} % of the known objects are as unusual, or a fifth of that in its first 0.6 s",
             100.0 * unknown_share
         ),
@@ -46,8 +53,7 @@ pub(super) fn decision(decision: &TouchDecision, least_unknown_share: Option<f64
                 "no object unknown, because with these training data that takes an --unknown-share of {least} or more"
             )
         }
-    };
-    format!("{nothing}, {unknown}, and a category is named above a probability of {:.3}\n", 1.0 - cost_of_uncertain)
+    }
 }
 
 fn number(value: Option<f64>) -> String {
@@ -106,7 +112,10 @@ fn stiffness(figures: &[StiffnessFigures]) -> String {
 fn judged(report: &TouchReport, least_unknown_share: Option<f64>) -> String {
     let reaches = report.reaches;
     if let Some(folds) = report.folds {
-        let unknown = families(&[]);
+        let unknown = match (least_unknown_share, report.decisions.last()) {
+            (Some(_), Some(own)) => format!("Each model calls {}\n", called_unknown(own, least_unknown_share)),
+            _ => families(&[]),
+        };
         return format!(
             "\n{unknown}{reaches} reaches in {folds} folds; each fold is judged by a model fitted to the others\n"
         );

@@ -1,12 +1,13 @@
-//! `train` with auxiliary sets of unknown objects, and with scene files in place of data sets.
+//! `train` and `evaluate` with auxiliary sets of unknown objects, and `train` with scene files in place of data sets.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
 use super::{lines, read};
 use crate::support::fixture::fixture;
-use crate::support::{scenes, underbrush};
+use crate::support::{call, scenes, underbrush};
 
 /// A scene of posts, which are trunks of another category.
 pub fn posts(folder: &Path) -> PathBuf {
@@ -80,6 +81,59 @@ fn auxiliary_objects_are_a_family() {
     assert!(judged.count() > 0);
 }
 
+/// Tests that cross-validation with auxiliary sets counts the verdicts of two models, each of which is trained on every second reach of
+/// both kinds and judges the others, says when it calls nothing unknown, and refuses fewer auxiliary reaches than folds.
+#[test]
+fn auxiliary_sets_are_cross_validated() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = |scene: &Path, count: usize| -> Vec<PathBuf> {
+        let name = scene.file_stem().unwrap().to_string_lossy();
+        let record = |index: usize| {
+            let path = folder.path().join(format!("{name}-{index}.parquet"));
+            underbrush!["reach", scene, "--seed", "2", "--index", index.to_string(), "--out", path].success();
+            path
+        };
+        (0..count).map(record).collect()
+    };
+    let known = [record(&fixture().leaf_scene(), 8), record(&fixture().trunk_scene(), 8)].concat();
+    let auxiliary = record(&posts(folder.path()), 16);
+    let run = |command: &str, inputs: &[PathBuf], options: &[&str], auxiliary: &[PathBuf]| {
+        let mut words: Vec<OsString> = vec![command.into()];
+        words.extend(inputs.iter().map(Into::into));
+        words.extend(options.iter().map(Into::into));
+        if !auxiliary.is_empty() {
+            words.push("--auxiliary".into());
+            words.extend(auxiliary.iter().map(Into::into));
+        }
+        call(words, "")
+    };
+    let counts = |found: &Value| {
+        let keys = ["unknown_objects", "found_objects", "known_objects", "false_alarm_objects"];
+        keys.map(|key| found["unknown"][key].as_u64().unwrap())
+    };
+    let half =
+        |paths: &[PathBuf], first: usize| -> Vec<PathBuf> { paths.iter().skip(first).step_by(2).cloned().collect() };
+    let mut expected = [0; 4];
+    for judged in 0..2 {
+        let model = folder.path().join(format!("model-{judged}.json")).display().to_string();
+        let (fitted, tested) = (1 - judged, [half(&known, judged), half(&auxiliary, judged)].concat());
+        let auxiliary = half(&auxiliary, fitted);
+        run("train", &half(&known, fitted), &["--classifier", "touch", "--out", &model], &auxiliary).success();
+        let own = run("evaluate", &tested, &["--model", &model, "--unknown-share", "0.5", "--json"], &[]).json();
+        expected.iter_mut().zip(counts(&own)).for_each(|(sum, count)| *sum += count);
+    }
+    let touch = ["--classifier", "touch"];
+    let found =
+        run("evaluate", &known, &["--classifier", "touch", "--unknown-share", "0.5", "--json"], &auxiliary).json();
+    assert_eq!((counts(&found), &found["reaches"]), (expected, &json!(32)));
+    assert!(expected[1] > 0, "{expected:?}");
+    let mut unknown = found["objects"].as_array().unwrap().iter().filter(|own| own["truth"] == "post");
+    assert!(unknown.all(|own| own["reach"].as_u64().unwrap() >= 16));
+    let text = run("evaluate", &known, &touch, &auxiliary).success();
+    assert!(text.contains("Each model calls no object unknown, because with these training data that takes"), "{text}");
+    run("evaluate", &known, &touch, &auxiliary[..1]).refused(&["1 auxiliary reaches are fewer than the 2 folds"]);
+}
+
 /// Tests that auxiliary sets without unknown objects, or with too few, one that is also a data set, scene files without
 /// `--reaches`, and options without their classifier are refused by name, and leave nothing behind.
 #[test]
@@ -89,10 +143,10 @@ fn bad_auxiliary_sets_are_refused() {
     let (set, leaf, posts) = (fixture().dataset(), fixture().leaf_scene(), posts(inputs.path()));
     let train = |auxiliary: &Path, options: &[&str]| {
         let words = ["train".into(), set.clone().into(), "--classifier".into(), "touch".into(), "--out".into()];
-        let mut words: Vec<std::ffi::OsString> = words.into();
+        let mut words: Vec<OsString> = words.into();
         words.extend([out.clone().into(), "--auxiliary".into(), auxiliary.into()]);
         words.extend(options.iter().map(Into::into));
-        crate::support::call(words, "")
+        call(words, "")
     };
     train(&leaf, &["--reaches", "2"])
         .refused(&["no unknown objects in the auxiliary sets", "a category that the data sets lack"]);
@@ -107,11 +161,16 @@ fn bad_auxiliary_sets_are_refused() {
         .refused(&["none"]);
     train(&set.join("meta"), &["--reaches", "1"]).refused(&["--reaches", "applies to scenes", "leave it out"]);
     for options in [&["--auxiliary", "x"][..], &["--reaches", "3"]] {
-        let mut words: Vec<std::ffi::OsString> = vec!["train".into(), fixture().table_csv().into(), "--out".into()];
+        let mut words: Vec<OsString> = vec!["train".into(), fixture().table_csv().into(), "--out".into()];
         words.push(out.clone().into());
         words.extend(options.iter().map(Into::into));
-        crate::support::call(words, "").refused(&[options[0], "applies to --classifier touch only", "leave it out"]);
+        call(words, "").refused(&[options[0], "applies to --classifier touch only", "leave it out"]);
     }
+    underbrush!["evaluate", fixture().table_csv(), "--auxiliary", "x"].refused(&[
+        "--auxiliary",
+        "applies to --classifier touch only",
+        "leave it out",
+    ]);
     let left: Vec<_> = std::fs::read_dir(outputs.path()).unwrap().collect();
     assert!(left.is_empty(), "{left:?}");
 }
