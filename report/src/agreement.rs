@@ -5,7 +5,7 @@ use underbrush_experiments::table_cell::{CellKey, Ordering};
 use underbrush_recording::distinct;
 
 use crate::style::{self, PUBLISHED};
-use crate::{AccuracyChart, Report, Rows, Table, capitalized, counted, lowest, possessive};
+use crate::{AccuracyChart, Report, Rows, Table, capitalized, counted, fitting, lowest, possessive};
 
 /// A difference that counts as agreement, points: the target for the mean over the cells.
 const CLOSE_POINTS: f64 = 3.0;
@@ -53,7 +53,7 @@ fn with_published(what: &str, cells: &[&Compared]) -> Option<String> {
     let mean = pairs.iter().map(difference).sum::<f64>() / pairs.len() as f64;
     let close = pairs.iter().filter(|pair| difference(pair) <= CLOSE_POINTS).count();
     let higher = pairs.iter().filter(|(cell, published)| cell.accuracy > *published).count();
-    let mut text = format!(
+    let text = format!(
         "{what}, the {} from the paper's by {mean:.1} points on average. {} within {CLOSE_POINTS} points; {} higher than \
          the paper's and {} lower or equal.",
         if pairs.len() == 1 { "cell differs".to_owned() } else { format!("{} cells differ", pairs.len()) },
@@ -61,13 +61,6 @@ fn with_published(what: &str, cells: &[&Compared]) -> Option<String> {
         counted(higher, "is", "are"),
         pairs.len() - higher
     );
-    if pairs.iter().all(|(cell, _)| cell.covers) {
-        let contains = |(low, high): (f64, f64), published: &f64| (low..=high).contains(published);
-        let covered =
-            pairs.iter().filter(|(cell, published)| cell.interval.is_some_and(|own| contains(own, published)));
-        let cells = counted(covered.count(), "cell", "cells");
-        text += &format!(" The paper's figure lies within the interval of {cells}.");
-    }
     let (cell, published) = farthest;
     let (name, here) = (cell.key.name(), cell.accuracy);
     Some(text + &format!(" The largest difference is in {name}: {here:.1} % here, {published:.1} % in the paper."))
@@ -75,18 +68,13 @@ fn with_published(what: &str, cells: &[&Compared]) -> Option<String> {
 
 /// The cells in which a constant verdict would be more accurate, as a sentence that begins with a small letter.
 fn below_majority(below: &[String], cells: usize) -> String {
-    let which = match (below.len(), cells) {
-        (_, 1) => "the only cell is".to_owned(),
-        (0, _) => format!("all {cells} cells are"),
-        (all, _) if all == cells => format!("all {cells} cells are"),
-        (1, _) => format!("1 of the {cells} cells is"),
-        (some, _) => format!("{some} of the {cells} cells are"),
-    };
     if below.is_empty() {
-        return format!("{which} at or above the majority baseline.");
+        return "no cell is below the majority baseline.".into();
     }
+    let (count, are) = (below.len(), fitting(below.len(), "is", "are"));
     format!(
-        "{which} below the majority baseline, so always naming the most frequent category would do better: {}.",
+        "{count} of {cells} cells {are} below the majority baseline, so always naming the most frequent category would do better: \
+         {}.",
         below.join("; ")
     )
 }

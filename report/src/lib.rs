@@ -33,9 +33,7 @@ use underbrush_sim::audit::exceeds;
 
 use accuracy_chart::{AccuracyChart, lowest, square_chart};
 use drawing::{Axis, Cell, Dash, Layer, Mark, Page, Point, Rows, Shape, Style, Table, chart, escape, joined, slug};
-use report::{
-    ACCURACY_COLUMNS, ACCURACY_HEADINGS, Report, by_touch, campaigns_by_touch, capitalized, fitting, in_words, seeds,
-};
+use report::{ACCURACY_COLUMNS, ACCURACY_HEADINGS, Report, by_touch, capitalized, fitting, in_words, seeds};
 
 /// A report, ready to be written.
 pub struct Written {

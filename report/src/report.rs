@@ -1,8 +1,7 @@
 //! A report that is being written: the page, its tables, and the text for the terminal.
 
-use underbrush_experiments::accuracy::{Accuracy, Figures, Part, Spread};
+use underbrush_experiments::accuracy::{Accuracy, Part};
 use underbrush_experiments::definition::Published;
-use underbrush_experiments::experiment::campaigns::CampaignFigures;
 use underbrush_experiments::{CellKey, Results};
 
 use crate::{CategoryLooks, Cell, Page, Rows, Table};
@@ -157,40 +156,12 @@ pub fn by_touch<'a>(name: &str, what: &str, rows: impl Iterator<Item = (String, 
         let percent = |place: usize| Cell::optional(own.as_ref().map(|own| own.figures()[place]), 1);
         [own.as_ref().map_or(0, |own| own.trials).into(), percent(0), percent(1), percent(2)]
     };
-    let rows = rows.map(|(name, own)| (name, [&own.touched, &own.untouched].map(cells)));
-    split_by_touch(name, what, ["touched trials", "untouched trials", "accuracy / %"], rows)
-}
-
-/// As [`by_touch`], for accuracies over campaigns.
-pub fn campaigns_by_touch<'a>(
-    name: &str,
-    what: &str,
-    rows: impl Iterator<Item = (String, &'a CampaignFigures)>,
-) -> Table {
-    let cells = |own: &Option<Figures<Spread>>| {
-        let own = own.as_ref();
-        let mean = |of: fn(&Figures<Spread>) -> &Spread| Cell::optional(own.map(|own| of(own).mean), 1);
-        let deviation = Cell::optional(own.and_then(|own| own.accuracy.standard_deviation), 1);
-        [mean(|own| &own.accuracy), deviation, mean(|own| &own.balanced_accuracy), mean(|own| &own.majority_baseline)]
-    };
-    let rows = rows.map(|(name, own)| (name, [&own.touched, &own.untouched].map(cells)));
-    let what = format!("{what} over all campaigns");
-    split_by_touch(name, &what, ["touched, mean / %", "untouched, mean / %", "SD"], rows)
-}
-
-/// Rows with their names and four figures each of trials with and without a touch. The headings are those of the first figure
-/// of each, and of the second; the others are balanced accuracy and majority baseline.
-fn split_by_touch(
-    name: &str,
-    what: &str,
-    [touched, untouched, second]: [&str; 3],
-    rows: impl Iterator<Item = (String, [[Cell; 4]; 2])>,
-) -> Table {
+    let headings = |trials| [trials, "accuracy / %", "balanced / %", "majority / %"];
     let caption = format!("{what}: trials in which something touched the skin, and trials in which nothing did");
     let rows: Vec<_> = rows.collect();
     Rows::of(&rows)
-        .column("", |(name, ..)| name.as_str())
-        .columns([touched, second, "balanced / %", "majority / %"], |(_, [cells, _])| cells.clone())
-        .columns([untouched, second, "balanced / %", "majority / %"], |(_, [_, cells])| cells.clone())
+        .column("", |(name, _)| name.as_str())
+        .columns(headings("touched trials"), |(_, own)| cells(&own.touched))
+        .columns(headings("untouched trials"), |(_, own)| cells(&own.untouched))
         .table(name, caption)
 }

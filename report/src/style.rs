@@ -72,8 +72,6 @@ pub fn aside(place: usize, of: usize) -> f64 {
 pub struct Look {
     /// CSS colour.
     pub colour: &'static str,
-    /// Name of the colour.
-    pub colour_name: &'static str,
     /// Mark of a taxel.
     pub mark: Mark,
     /// Dash of lines and areas.
@@ -81,8 +79,8 @@ pub struct Look {
 }
 
 impl Look {
-    const fn new((colour, colour_name): (&'static str, &'static str), mark: Mark, dash: Dash) -> Self {
-        Look { colour, colour_name, mark, dash }
+    const fn new(colour: &'static str, mark: Mark, dash: Dash) -> Self {
+        Look { colour, mark, dash }
     }
 
     /// A line of this colour and dash.
@@ -93,16 +91,15 @@ impl Look {
 
 /// The paper's categories and its verdict `uncertain`, in the paper's colours.
 const PAPER: [(&str, Look); 4] = [
-    ("leaf", Look::new((LEAF, "green"), Mark::Triangle, Dash::Solid)),
-    ("trunk", Look::new((TRUNK, "brown"), Mark::Square, Dash::Dashed)),
-    ("outlier", Look::new((OUTLIER, "red"), Mark::Cross, Dash::Solid)),
-    ("uncertain", Look::new((UNCERTAIN, "blue"), Mark::Ring, Dash::Solid)),
+    ("leaf", Look::new(LEAF, Mark::Triangle, Dash::Solid)),
+    ("trunk", Look::new(TRUNK, Mark::Square, Dash::Dashed)),
+    ("outlier", Look::new(OUTLIER, Mark::Cross, Dash::Solid)),
+    ("uncertain", Look::new(UNCERTAIN, Mark::Ring, Dash::Solid)),
 ];
 
 /// Colours, marks and dashes of further categories. The numbers of these have no common factor, so the first 30
 /// categories differ in at least one of them.
-const COLOURS: [(&str, &str); 5] =
-    [("#8c4fb3", "purple"), ("#b58900", "ochre"), ("#0b7285", "teal"), ("#cc79a7", "pink"), ("#000000", "black")];
+const COLOURS: [&str; 5] = ["#8c4fb3", "#b58900", "#0b7285", "#cc79a7", "#000000"];
 const MARKS: [Mark; 2] = [Mark::Diamond, Mark::Circle];
 const DASHES: [Dash; 3] = [Dash::Dotted, Dash::Dashed, Dash::Solid];
 
@@ -112,7 +109,7 @@ const DASHES: [Dash; 3] = [Dash::Dotted, Dash::Dashed, Dash::Solid];
 /// use underbrush_report::CategoryLooks;
 ///
 /// let looks = CategoryLooks::of(["leaf", "reed", "vine"]);
-/// assert_eq!(looks.look("leaf").colour_name, "green");
+/// assert_eq!(looks.look("leaf").colour, "#1b8a4b");
 /// assert_ne!(looks.look("reed"), looks.look("vine"));
 /// ```
 #[derive(Clone, Debug, Default)]

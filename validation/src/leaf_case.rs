@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 use underbrush_oracles::beam;
-use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::test_rig::{BodyId, Rig};
 
+use crate::pressed_arm::LEAF;
 use crate::{Falsification, Fault};
 
 /// A blade of medium size. The closed forms use these numbers.
@@ -24,13 +24,11 @@ pub fn blade(segments: u32, flexural_rigidity_n_m2: f64, loss_factor: f64) -> Le
         height_m: LENGTH_M,
         width_m: WIDTH_M,
         flexural_rigidity_n_m2,
-        torsion_over_bending: SHEET_TORSION_OVER_BENDING,
         mass_per_area_kg_per_m2: MASS_PER_LENGTH_KG_PER_M / WIDTH_M,
         loss_factor,
-        yield_moment_nm: None,
-        grip: None,
         root_stiffness_nm_per_rad: None,
         segments,
+        ..LEAF
     }
 }
 

@@ -1,6 +1,5 @@
 //! Ablation: the cross-validation table with one thing changed at a time.
 
-use underbrush_experiments::Unit;
 use underbrush_experiments::accuracy::Figures;
 use underbrush_experiments::experiment::ablation::{AS_IS, Ablated, AblationResults, described};
 
@@ -17,10 +16,7 @@ pub fn add(report: &mut Report, outcome: &AblationResults) {
     report.page.paragraphs(sentence(&outcome.ablation));
     let changes = file.ablation.iter().map(|name| described(*name));
     report.page.list(changes.map(|(name, what)| format!("{name}: {what}")));
-    let labels = report.results.definition.labels();
-    let table = table(&outcome.ablation, &labels);
-    let of_accuracy = table.columns.len() - 2 * labels.len();
-    report.printed(table, of_accuracy);
+    report.printed(table(&outcome.ablation), usize::MAX);
 }
 
 /// The effect of the changes on the difference from the published table.
@@ -47,7 +43,7 @@ fn sentence(rows: &[Ablated]) -> Option<String> {
     ))
 }
 
-fn table(rows: &[Ablated], labels: &[&str]) -> Table {
+fn table(rows: &[Ablated]) -> Table {
     let is_compared = rows.iter().any(|row| row.mean_absolute_difference_points.is_some());
     let compared = if is_compared { "mean absolute difference from the published cells, and " } else { "" };
     let caption =
@@ -63,23 +59,14 @@ fn table(rows: &[Ablated], labels: &[&str]) -> Table {
             .column("pairs in order", |row| format!("{} of {}", row.pairs_holding, row.pairs))
     });
     let rows = accuracies(rows, "components / %", |row| row.component.as_ref());
-    let mut rows = accuracies(rows, "taxels / %", |row| row.taxel.as_ref());
-    for unit in [Unit::Component, Unit::Taxel] {
-        for label in labels {
-            rows = rows.number(format!("{} trials a reach, {label}", unit.name()), 1, |row| {
-                let mut counted = row.trials_per_reach.iter();
-                counted.find(|own| own.by == unit && own.category == *label).map(|own| own.per_reach)
-            });
-        }
-    }
-    rows.table("ablation", caption)
+    accuracies(rows, "taxels / %", |row| row.taxel.as_ref()).table("ablation", caption)
 }
 
 #[cfg(test)]
 mod tests {
     use underbrush_classifier::FeatureSet;
     use underbrush_experiments::accuracy::Accuracy;
-    use underbrush_experiments::{Cell, CellKey, Experiment};
+    use underbrush_experiments::{Cell, CellKey, Experiment, Unit};
 
     use super::*;
 
@@ -103,7 +90,7 @@ mod tests {
         };
         for (paper, is_compared) in [(Some(72.0), true), (None, false)] {
             let rows = [row(AS_IS, paper), row("no creep", paper)];
-            let columns = table(&rows, &["leaf"]).columns;
+            let columns = table(&rows).columns;
             assert_eq!(columns.iter().any(|name| name.contains("difference")), is_compared, "{columns:?}");
             assert_eq!(sentence(&rows).is_some(), is_compared);
         }

@@ -4,10 +4,9 @@ use underbrush_experiments::accuracy::{Figures, Spread};
 use underbrush_experiments::experiment::campaigns::{CampaignFigures, Campaigns, ComparedCampaigns};
 use underbrush_experiments::table_cell;
 
-use super::classifiers;
 use super::table_one::trials_and_features;
 use crate::agreement::{self, Compared};
-use crate::{Cell, Report, Rows, Table, campaigns_by_touch, possessive, seeds};
+use crate::{Cell, Report, Rows, Table, possessive, seeds};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ComparedCampaigns) {
@@ -27,11 +26,10 @@ pub fn add(report: &mut Report, outcome: &ComparedCampaigns) {
         report.print(&table, 12);
     }
     report.tables.push(all(campaigns));
-    let rows = campaigns.table_1.iter().map(|cell| (cell.key.with_recipe(), &cell.figures));
-    report.table(campaigns_by_touch("campaigns_by_touch", "Cross-validation", rows));
     report.table(trials(campaigns));
     if !campaigns.classifiers.is_empty() {
-        add_classifiers(report, campaigns);
+        let best = report.published().and_then(|own| own.best_accuracy_percent);
+        report.printed(classifiers_table(campaigns, best), 10);
     }
 }
 
@@ -48,34 +46,6 @@ pub fn compared(cell: &table_cell::Cell<CampaignFigures>) -> Compared<'_> {
         majority_baseline: majority_baseline.mean,
         published: cell.paper,
     }
-}
-
-/// Other classifiers in the mean of all campaigns.
-fn add_classifiers(report: &mut Report, campaigns: &Campaigns) {
-    let best = report.published().and_then(|own| own.best_accuracy_percent);
-    report.page.paragraphs(best_classifier(campaigns, best));
-    let means: Vec<(&str, f64)> =
-        campaigns.classifiers.iter().map(|own| (own.classifier.as_str(), own.figures.all.accuracy.mean)).collect();
-    report.page.paragraphs(classifiers::features(&report.results.definition.file.classifiers, &means));
-    report.printed(classifiers_table(campaigns, best), 10);
-    let rows = campaigns.classifiers.iter().map(|own| (own.classifier.clone(), &own.figures));
-    report.table(campaigns_by_touch("campaign_classifiers_by_touch", "Other classifiers", rows));
-}
-
-/// The best classifier in the mean of many campaigns, which are independent of each other.
-fn best_classifier(campaigns: &Campaigns, published: Option<f64>) -> Option<String> {
-    let all = campaigns.classifiers.iter();
-    let best = all.max_by(|a, b| a.figures.all.accuracy.mean.total_cmp(&b.figures.all.accuracy.mean))?;
-    let count = campaigns.seeds.len();
-    let Figures { accuracy: own, balanced_accuracy, majority_baseline } = &best.figures.all;
-    let error = own.standard_deviation? / (count as f64).sqrt();
-    let against = published
-        .map_or(String::new(), |paper| format!(" That is {:+.1} points from the paper's best.", own.mean - paper));
-    Some(format!(
-        "Over {count} campaigns {} has {:.1} % on average, with a standard error of {error:.1} points (balanced {:.1} %, majority \
-         baseline {:.1} %).{against}",
-        best.classifier, own.mean, balanced_accuracy.mean, majority_baseline.mean
-    ))
 }
 
 fn classifiers_table(campaigns: &Campaigns, published: Option<f64>) -> Table {

@@ -1,17 +1,15 @@
 //! Other classifiers, and their accuracy after few samples.
 
 use underbrush_classifier::evaluate::AccuracyBySamples;
-use underbrush_experiments::definition::ClassifierEntry;
 use underbrush_experiments::experiment::classifiers::{Compared, ComparedClassifiers, Speed};
 
-use crate::{ACCURACY_HEADINGS, AccuracyChart, Cell, Report, Rows, Table, by_touch, joined, lowest, style};
+use crate::{ACCURACY_HEADINGS, AccuracyChart, Cell, Report, Rows, Table, by_touch, lowest, style};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ComparedClassifiers) {
     if outcome.classifiers.is_empty() {
         return;
     }
-    let file = &report.results.definition.file;
     let best = report.published().and_then(|own| own.best_accuracy_percent);
     let how_fast = if outcome.speeds.is_empty() { "" } else { ", and how fast they decide" };
     report.section("classifiers", &format!("Other classifiers{how_fast}"));
@@ -20,16 +18,13 @@ pub fn add(report: &mut Report, outcome: &ComparedClassifiers) {
          than folds by position, which can put trials of one contact on both sides.",
     );
     report.page.paragraph(&best_of(&outcome.classifiers, best));
-    let accuracies: Vec<(&str, f64)> =
-        outcome.classifiers.iter().map(|own| (own.classifier.as_str(), own.figures.accuracy)).collect();
-    report.page.paragraphs(features(&file.classifiers, &accuracies));
     report.printed(table(&outcome.classifiers, best), 7);
     let rows = outcome.classifiers.iter().map(|own| (own.classifier.clone(), &own.figures));
     report.printed(by_touch("classifiers_by_touch", "Other classifiers", rows), 9);
     if outcome.speeds.is_empty() {
         return;
     }
-    let min_samples = file.trials.min_samples;
+    let min_samples = report.results.definition.file.trials.min_samples;
     report.page.paragraph(&format!(
         "The charts ask for a verdict after a number of samples since contact; a contact that ended earlier keeps its last \
          verdict. The first chart shows the trials of the cross-validation table, which last {min_samples} samples or more. \
@@ -37,7 +32,6 @@ pub fn add(report: &mut Report, outcome: &ComparedClassifiers) {
          moment. The second chart shows all contacts, including shorter ones. In both, the classifiers were trained on the \
          longer trials of the other reaches."
     ));
-    report.page.paragraph(&speeds(&outcome.speeds, min_samples));
     let lasting = format!("Contacts known to last {min_samples} samples");
     let charts = [
         chart(&outcome.speeds, "lasting", &lasting, |own| &own.lasting_contacts, best),
@@ -64,60 +58,6 @@ fn best_of(classifiers: &[Compared], published: Option<f64>) -> String {
     format!(
         "The best on whole trials is {} with {:.1} % ({:.1} to {:.1}, balanced {:.1} %, majority baseline {:.1} %){against}.",
         best.classifier, own.accuracy, own.low, own.high, own.balanced_accuracy, own.majority_baseline
-    )
-}
-
-/// Compares classifiers with the same features, and the same method with more features.
-pub fn features(entries: &[ClassifierEntry], accuracies: &[(&str, f64)]) -> Option<String> {
-    let accuracy = |entry: &ClassifierEntry| {
-        let own = accuracies.iter().find(|(name, _)| *name == entry.name);
-        own.map(|(_, accuracy)| *accuracy)
-    };
-    let mut sentences = Vec::new();
-    for (place, entry) in entries.iter().enumerate() {
-        for other in &entries[place + 1..] {
-            let (Some(first), Some(second)) = (accuracy(entry), accuracy(other)) else { continue };
-            let (Some(seen), Some(other_seen)) = (entry.features, other.features) else { continue };
-            let (same, all) = (seen.names(), other_seen.names());
-            let same_method = (entry.method.name, entry.states) == (other.method.name, other.states);
-            let (name, gain) = (&entry.name, second - first);
-            let added = all.strip_prefix(same.as_slice()).filter(|added| same_method && !added.is_empty());
-            if let Some(added) = added {
-                let of_region: Vec<&str> = other_seen.of_region().map(|feature| feature.name).collect();
-                let added = if added == of_region { "the contact region".to_owned() } else { added.join(" and ") };
-                sentences.push(format!(
-                    "Adding {added} changes the accuracy of {name} by {gain:+.1} points, to {second:.1} %."
-                ));
-            } else if !same_method && seen == other_seen {
-                let (same, other) = (same.join(", "), &other.name);
-                sentences.push(format!(
-                    "With the same features ({same}), {name} has {first:.1} % and {other} {second:.1} % ({gain:+.1} points)."
-                ));
-            }
-        }
-    }
-    (!sentences.is_empty()).then(|| sentences.join(" "))
-}
-
-/// How much the accuracy after a few samples depends on knowing that a contact will last.
-fn speeds(speeds: &[Speed], min_samples: usize) -> String {
-    let after = |points: &[AccuracyBySamples], samples| {
-        let own = points.iter().find(|point| point.samples == samples);
-        own.map_or(f64::NAN, |point| 100.0 * point.accuracy)
-    };
-    let count = |points: &[AccuracyBySamples]| points.last().map_or(0, |point| point.lasting);
-    let Some(first) = speeds.first() else { return String::new() };
-    let row = |Speed { classifier, lasting_contacts, all_contacts }: &Speed| {
-        let [early, last] = [Some(12), None].map(|samples| {
-            let (lasting, all) = (after(lasting_contacts, samples), after(all_contacts, samples));
-            format!("{lasting:.1} % and {all:.1} %")
-        });
-        format!("{classifier}: {early} after 12 samples, {last} at the end")
-    };
-    let [lasting, all] = [&first.lasting_contacts, &first.all_contacts].map(|own| count(own));
-    let rows = joined(speeds.iter().map(row), "; ");
-    format!(
-        "{lasting} of {all} contacts last {min_samples} samples or more. Accuracy on the longer ones and on all: {rows}."
     )
 }
 

@@ -2,11 +2,10 @@
 
 use underbrush_experiments::experiment::engineered::{Engineered, EngineeredReaches};
 use underbrush_experiments::frame_verdicts::Shares;
-use underbrush_recording::distinct;
 
 use crate::drawing::fit_on_axis;
 use crate::style::{CORRECT, UNCERTAIN, WRONG};
-use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, joined, replayed};
+use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replayed};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &EngineeredReaches) {
@@ -25,9 +24,8 @@ pub fn add(report: &mut Report, outcome: &EngineeredReaches) {
          misclassified. The truth of every taxel is the category of the scene, even if nothing presses on it, as in the paper; \
          the table gives the share of such taxels as untouched."
     ));
-    let (names, letters) = names(reaches);
-    let caption = format!("Verdicts on all taxels in contact, over all frames of a reach{letters}.");
-    report.page.figure(&caption, &[shares_chart(reaches, names)]);
+    let caption = "Verdicts on all taxels in contact, over all frames of a reach.";
+    report.page.figure(caption, &[shares_chart(reaches, names(reaches))]);
     let found = reaches.iter().filter(|reach| reach.reach_index.is_some());
     let link =
         |(place, reach): (usize, &Engineered)| (replayed::reach(replayed::ENGINEERED_FILE, place), reach.scene.clone());
@@ -35,36 +33,10 @@ pub fn add(report: &mut Report, outcome: &EngineeredReaches) {
     report.printed(table(outcome), 10);
 }
 
-/// The names of the reaches: their numbers with their categories, or, if these do not fit under the bars, with letters for
-/// the categories, and what the letters mean, for the caption.
-fn names(reaches: &[Engineered]) -> (Vec<String>, String) {
-    let numbered = |name: &dyn Fn(&Engineered) -> String| -> Vec<String> {
-        reaches.iter().enumerate().map(|(place, reach)| format!("{}{}", place + 1, name(reach))).collect()
-    };
-    let full = numbered(&|reach| format!(" {}", reach.category));
-    if fit_on_axis(&full) {
-        return (full, String::new());
-    }
-    let categories = distinct(reaches.iter().map(|reach| reach.category));
-    let letters = letters(&categories);
-    let of =
-        |category: &str| categories.iter().position(|own| *own == category).map_or("", |place| letters[place].as_str());
-    let meanings = categories.iter().zip(&letters).map(|(category, letters)| format!("{letters} {category} only"));
-    (numbered(&|reach| of(reach.category).to_owned()), format!("; {}", joined(meanings, ", ")))
-}
-
-/// The initial of each category, or two letters of its name if an earlier category has that initial.
-fn letters(categories: &[&str]) -> Vec<String> {
-    let mut taken: Vec<String> = Vec::new();
-    for category in categories {
-        let initial: String = category.chars().take(1).flat_map(char::to_uppercase).collect();
-        let pairs = category.chars().skip(1).filter(|letter| *letter != '_').map(|letter| format!("{initial}{letter}"));
-        let mut candidates = std::iter::once(initial.clone()).chain(pairs);
-        // The name itself begins with a small letter, so it is none of the others.
-        let own = candidates.find(|own| !taken.contains(own)).unwrap_or_else(|| (*category).to_owned());
-        taken.push(own);
-    }
-    taken
+/// The numbers of the reaches with their categories, or alone if these do not fit under the bars.
+fn names(reaches: &[Engineered]) -> Vec<String> {
+    let full: Vec<String> = (1..).zip(reaches).map(|(number, reach)| format!("{number} {}", reach.category)).collect();
+    if fit_on_axis(&full) { full } else { (1..=reaches.len()).map(|number| number.to_string()).collect() }
 }
 
 fn shares_chart(reaches: &[Engineered], names: Vec<String>) -> String {
@@ -87,7 +59,7 @@ fn shares_chart(reaches: &[Engineered], names: Vec<String>) -> String {
         Layer::new("misclassified", Style::line(WRONG, Dash::Dashed), Shape::Bars(wrong)),
         Layer::new("uncertain", Style::line(UNCERTAIN, Dash::Dotted), Shape::Bars(uncertain)),
     ];
-    let x = Axis::names("reach and what it touches", names);
+    let x = Axis::names("reach, by its row in the table", names);
     let y = Axis::spanning("taxels in contact / %", 0.0, 100.0);
     chart("figure-11", "Verdicts in engineered reaches", description, (x, y), layers)
 }
@@ -112,7 +84,7 @@ fn table(outcome: &EngineeredReaches) -> Table {
 mod tests {
     use super::*;
 
-    fn named(categories: &[&'static str]) -> (Vec<String>, String) {
+    fn named(categories: &[&'static str]) -> Vec<String> {
         let reach = |&category: &&'static str| Engineered {
             scene: "any".into(),
             category,
@@ -125,13 +97,10 @@ mod tests {
         names(&categories.iter().map(reach).collect::<Vec<_>>())
     }
 
-    /// Tests that reaches are named with their category if there is room, and that two categories with the same initial have
-    /// different letters. They looked alike.
+    /// Tests that reaches are named with their category if there is room, and with their numbers alone if there is none.
     #[test]
-    fn categories_with_one_initial_have_different_names() {
-        assert_eq!(named(&["leaf", "trunk"]), (vec!["1 leaf".to_owned(), "2 trunk".to_owned()], String::new()));
-        let (names, letters) = named(&["branch_thick", "branch_thin", "leaf", "branch_thick", "b", "bramble"]);
-        assert_eq!(names, ["1B", "2Br", "3L", "4B", "5b", "6Ba"]);
-        assert_eq!(letters, "; B branch_thick only, Br branch_thin only, L leaf only, b b only, Ba bramble only");
+    fn reaches_are_named_with_their_category_if_there_is_room() {
+        assert_eq!(named(&["leaf", "trunk"]), ["1 leaf", "2 trunk"]);
+        assert_eq!(named(&["branch_thick", "branch_thin", "leaf", "branch_thick", "b"]), ["1", "2", "3", "4", "5"]);
     }
 }

@@ -12,7 +12,7 @@ use underbrush_render::{RenderError, Size};
 
 use crate::drawing::{LETTER, squeezed, svg_head, svg_text};
 use crate::style::UNTOUCHED;
-use crate::{CategoryLooks, Look, Mark, Report, capitalized, escape, joined, replayed, slug};
+use crate::{CategoryLooks, Mark, Report, escape, joined, replayed, slug};
 
 /// As wide as half the page on a screen with two pixels for one.
 const SIZE: Size = Size { width: 960, height: 640 };
@@ -47,11 +47,10 @@ fn add_moment(report: &mut Report, moment: &Moment, place: usize) {
     let skin = format!("moment-{place}-skin");
     let charts = [image(moment, place), skin_map(&skin, (&patch.name, grid), (&labels, looks), verdicts, pressed)];
     let untouched = verdicts.keys().filter(|taxel| !pressed.contains(taxel)).count();
-    let marks = marks_in_words(&labels, looks);
     let caption = format!(
         "Scene {scene}, draw {reach_index}, {time_s:.2} s after the start: the moment with the most taxels in contact. The \
          picture shows sensed forces as colours of the skin and the forces of contacts as arrows, and the map of the skin \
-         shows the verdicts. {marks}. Grey marks of the same shapes are untouched taxels (spurious readings, creep, crosstalk): {untouched} of {taxels} here."
+         shows the verdicts. Grey marks are untouched taxels (spurious readings, creep, crosstalk): {untouched} of {taxels} here."
     );
     report.page.figure(&caption, &charts);
     report.page.link(&address(moment, place), "Replay this moment in 3-D");
@@ -80,32 +79,6 @@ pub fn pictures(outcome: &ReachMoments) -> Result<Vec<(String, Vec<u8>)>, Render
         Ok((file(moment, place), replayed::png(&moment.recording, moment.frame_index, SIZE, None)?))
     };
     outcome.all().enumerate().map(drawn).collect()
-}
-
-/// Says in words which mark stands for which verdict.
-pub fn marks_in_words(labels: &[&str], looks: &CategoryLooks) -> String {
-    let shape = |mark: Mark| match mark {
-        Mark::Circle => "circle",
-        Mark::Ring => "ring",
-        Mark::Square => "square",
-        Mark::Triangle => "triangle",
-        Mark::Diamond => "diamond",
-        Mark::Cross => "cross",
-    };
-    let article = |word: &str| {
-        if word.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" }
-    };
-    let entry = |(place, name): (usize, &str)| {
-        let Look { colour_name, mark, .. } = looks.look(name);
-        let verb = if place == 0 { " is" } else { "" };
-        let what = match name {
-            "uncertain" => name.to_owned(),
-            category => format!("{} {category}", article(category)),
-        };
-        format!("{} {colour_name} {}{verb} {what}", article(colour_name), shape(mark))
-    };
-    let names = labels.iter().copied().chain(["outlier", "uncertain"]);
-    capitalized(&joined(names.enumerate().map(entry), ", "))
 }
 
 /// Colour and shape of a verdict: the paper's colours, with a shape for readers who cannot distinguish them. An

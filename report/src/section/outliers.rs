@@ -54,8 +54,7 @@ pub fn add(report: &mut Report, outcome: &OutlierThresholds) {
     let first = labels.first().copied().unwrap_or_default();
     let charts = roc_charts(&outcome.curves, first);
     if !charts.is_empty() {
-        report.page.paragraphs(outcome.roc.outlier_area.map(roc));
-        report.page.figure(&roc_caption(&outcome.curves, first), &charts);
+        report.page.figure("The effect of every threshold.", &charts);
         report.numbers(roc_table(&outcome.curves, first));
     }
 }
@@ -101,19 +100,6 @@ pub fn chosen_rule_online(detection: &[Detection]) -> Option<String> {
     Some(format!(
         "Used frame by frame on the outlier reaches, the chosen thresholds leave {percent:.1} % uncertain{verdict}"
     ))
-}
-
-/// How well outliers are found by their small margin, over all thresholds.
-fn roc(area: f64) -> String {
-    let worth = match area {
-        _ if area > 0.55 => "better than",
-        _ if area < 0.45 => "worse than",
-        _ => "about as good as",
-    };
-    format!(
-        "An outlier trial has a smaller margin than a trial of a known category with probability {area:.3}, the area under its \
-         curve. This is {worth} chance, which is 0.5."
-    )
 }
 
 /// Length of the time intervals over which the charts average, s. A choice: verdicts change from frame to frame, and a
@@ -247,22 +233,6 @@ fn roc_charts(thresholds: &Thresholds, first: &str) -> Vec<String> {
         square_chart((&format!("roc-{name}"), &title), description, (&x, &y), "chance", vec![layer])
     };
     category.into_iter().chain(outlier).map(chart).collect()
-}
-
-/// What the curves that there are show.
-pub fn roc_caption(thresholds: &Thresholds, first: &str) -> String {
-    let category = thresholds.category_roc.as_ref().map(|_| {
-        format!(
-            "Of {first}: trials found against other trials mistaken for them as the minimum margin falls, on training trials held \
-             out by reach."
-        )
-    });
-    let outlier = thresholds.outlier_roc.as_ref().map(|_| {
-        "Of outliers: trials found against known categories mistaken for them as the maximum margin of an outlier rises, on the \
-         outlier reaches."
-            .to_owned()
-    });
-    joined(["The effect of every threshold.".to_owned()].into_iter().chain(category).chain(outlier), " ")
 }
 
 /// The points of both curves.

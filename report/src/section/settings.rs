@@ -1,10 +1,9 @@
 //! Other arms and speeds: classifiers trained at one setting and tested at others.
 
-use underbrush_experiments::accuracy::Accuracy;
 use underbrush_experiments::experiment::settings::{ComparedSettings, Split};
 use underbrush_recording::distinct;
 
-use crate::{ACCURACY_COLUMNS, Cell, Report, Rows, Table, fitting};
+use crate::{ACCURACY_COLUMNS, Cell, Report, Rows, Table};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ComparedSettings) {
@@ -19,7 +18,6 @@ pub fn add(report: &mut Report, outcome: &ComparedSettings) {
          the other way round, so that no clutter occurs in both training and testing.",
     );
     let classifiers = distinct(outcome.splits.iter().map(|split| split.classifier.as_str()));
-    report.page.list(classifiers.iter().filter_map(|classifier| sentence(outcome, classifier)));
     for classifier in classifiers {
         let table = of_classifier(outcome, classifier);
         report.page.table(&table);
@@ -27,31 +25,6 @@ pub fn add(report: &mut Report, outcome: &ComparedSettings) {
     }
     // The tables above link to this table's file.
     report.tables.push(all(outcome));
-}
-
-/// The accuracy of one classifier at the setting where it was trained, and at the others.
-fn sentence(outcome: &ComparedSettings, classifier: &str) -> Option<String> {
-    let mean =
-        |splits: &[&Split]| splits.iter().map(|split| split.accuracy.accuracy).sum::<f64>() / splits.len() as f64;
-    let own = outcome.splits.iter().filter(|split| split.classifier == classifier);
-    let (same, other): (Vec<&Split>, Vec<&Split>) = own.partition(|split| split.trained == split.tested);
-    let lowest = other.iter().min_by(|a, b| a.accuracy.accuracy.total_cmp(&b.accuracy.accuracy))?;
-    // Compared with the classifier that was trained at the setting where this one is tested.
-    let covered = |split: &&&Split| {
-        let native = same.iter().find(|native| native.tested == split.tested);
-        native.is_some_and(|native| (native.accuracy.low..=native.accuracy.high).contains(&split.accuracy.accuracy))
-    };
-    let (here, there) = (mean(&same), mean(&other));
-    let (covered, others, change) = (other.iter().filter(covered).count(), other.len(), there - here);
-    let Split { trained, tested, accuracy: own, .. } = lowest;
-    let Accuracy { accuracy, low, high, balanced_accuracy, majority_baseline, .. } = own;
-    Some(format!(
-        "{classifier}: {here:.1} % on average at the setting of training, {there:.1} % at others ({change:+.1} points). {covered} of {others} of \
-         these {} within the interval of the classifier that was trained at the setting of testing. The lowest accuracy is \
-         {accuracy:.1} % ({low:.1} to {high:.1}, balanced {balanced_accuracy:.1} %, majority baseline {majority_baseline:.1} %), \
-         trained at {trained} and tested at {tested}.",
-        fitting(covered, "lies", "lie")
-    ))
 }
 
 /// One classifier: settings of training in rows, settings of testing in columns.

@@ -49,18 +49,12 @@ pub fn compared(cell: &Cell) -> Compared<'_> {
 }
 
 /// What each recipe of the experiment does.
-pub fn recipes_in_words(recipes: &[RecipeName]) -> String {
-    let parts = recipes.iter().enumerate().map(|(place, recipe)| {
-        let (name, scored) = match recipe {
-            RecipeName::Authors => ("authors' recipe", "the Viterbi path on unscaled features"),
-            RecipeName::Modern => ("modern recipe", "the forward likelihood on z-scores"),
-        };
-        match place {
-            0 => format!("The {name} scores {scored}"),
-            _ => format!("the {name} {scored}"),
-        }
+fn recipes_in_words(recipes: &[RecipeName]) -> String {
+    let words = recipes.iter().map(|recipe| match recipe {
+        RecipeName::Authors => "The authors' recipe scores the Viterbi path on unscaled features.".to_owned(),
+        RecipeName::Modern => "The modern recipe scores the forward likelihood on z-scores.".to_owned(),
     });
-    format!("{}.", joined(parts, ", "))
+    joined(words, " ")
 }
 
 /// A note that agreement is not a prediction, and whether parameters were chosen on this run's seeds; `None` if the

@@ -10,7 +10,6 @@ pub fn add(report: &mut Report, outcome: &TrainingSummary) {
     let (goals, touched) = (ends.goals, ends.touched_text());
     report.section("training_data", "Training data");
     report.page.paragraph(&format!("{count} reaches, {simulated_s:.0} s of simulated time; {goals}; {touched}."));
-    report.page.paragraphs(against_published(&outcome.trials_per_reach));
     report.page.paragraph(&untouched(&outcome.trials_per_reach));
     report.printed(table(&outcome.trials_per_reach), 5);
 }
@@ -24,16 +23,6 @@ fn table(rows: &[TrialsPerReach]) -> Table {
         .when(published, |rows| rows.number("paper", 1, |row| row.paper))
         .column("never touched", |row| row.untouched)
         .table("trials_per_reach", "Contact trials")
-}
-
-/// Compares the trials per reach with the published numbers.
-fn against_published(rows: &[TrialsPerReach]) -> Option<String> {
-    let part = |row: &TrialsPerReach| {
-        let ratio = row.per_reach / row.paper?;
-        Some(format!("{} {}: {ratio:.2} times the paper's", row.by.name(), row.category))
-    };
-    let parts: Vec<String> = rows.iter().filter_map(part).collect();
-    (!parts.is_empty()).then(|| format!("Trials per reach, {}.", parts.join("; ")))
 }
 
 /// How many trials came from the sensor alone, without contact.

@@ -11,7 +11,7 @@ use underbrush_recording::{Category, FRAME_PERIOD_S, Grid, Sample, Trial};
 use super::elements;
 use crate::CategoryLooks;
 use crate::section::moments::skin_map;
-use crate::section::{example_trials as trial_section, moments, outliers};
+use crate::section::{example_trials as trial_section, outliers};
 
 const REED: Category = Category::new("reed", 4).unwrap();
 const LABELS: [&str; 3] = ["leaf", "trunk", "reed"];
@@ -123,18 +123,6 @@ fn the_skin_map_names_it() {
     assert_eq!(rows(&svg), [6, 0, 0]);
     assert_eq!(rows(&draw(12, &LABELS)), [3, 2, 1]);
     assert_eq!(rows(&draw(24, &["leaf", "trunk"])), [5, 0, 0]);
-}
-
-/// Tests the caption that explains the marks, for the paper's categories and with a further one.
-#[test]
-fn the_caption_of_a_moment_names_its_mark() {
-    let paper = moments::marks_in_words(&["leaf", "trunk"], &looks());
-    assert_eq!(
-        paper,
-        "A green triangle is a leaf, a brown square a trunk, a red cross an outlier, a blue ring uncertain"
-    );
-    let all = moments::marks_in_words(&LABELS, &looks());
-    assert!(all.contains("a brown square a trunk, a purple diamond a reed, a red cross"), "{all}");
 }
 
 /// Tests that the curves of example trials are in the categories' own styles.
