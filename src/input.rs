@@ -54,7 +54,7 @@ impl TrialInput {
     }
 }
 
-/// As [`trials`]; an error if there are none. Remarks that the preset does not change the labels of a table.
+/// As [`trials`]; an error if there are none.
 pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<TrialInput, Failure> {
     some_of(trials(path, arguments)?, path, arguments)
 }
@@ -74,14 +74,8 @@ pub fn some_of_all_trials(
 }
 
 fn some_of(read: TrialInput, path: &Path, arguments: &TrialArguments) -> Result<TrialInput, Failure> {
-    let is_table = read.is_table();
-    let path = path.display();
-    if is_table && arguments.is_paper() {
-        let kept = "the trials of a table keep their labels, which --preset paper does not change";
-        output::remark(format!("{path}: {kept}"));
-    }
     match why_none(&read, arguments) {
-        Some((found, remedy)) => Err(Failure::usage(format!("{path}: {found}; {remedy}"))),
+        Some((found, remedy)) => Err(Failure::usage(format!("{}: {found}; {remedy}", path.display()))),
         None => Ok(read),
     }
 }
@@ -145,7 +139,8 @@ pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<TrialInput, Fai
         let cut = contact_trials::of_recording(&recording, &arguments.options()?);
         (cut.map_err(|error| about(error.into()))?, vec![model_data::of_file(path, &recording)?])
     } else {
-        arguments.refuse_for_table(path)?;
+        let table = format!("a table of trials such as {}, which are extracted and labelled already", path.display());
+        arguments.refuse_but(&["--preset", "--min-samples"], &table)?;
         let mut trials = read_trials(path)?;
         let data = vec![model_data::of_table(path, &trials)?];
         trials.retain(|trial| trial.samples.len() >= arguments.min_samples());

@@ -3,7 +3,6 @@
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
-use std::path::Path;
 use std::str::FromStr;
 
 use clap::Args;
@@ -181,13 +180,6 @@ impl TrialArguments {
         })
     }
 
-    /// Refuses options that do not apply to a table of trials.
-    pub fn refuse_for_table(&self, path: &Path) -> Result<(), Failure> {
-        let table =
-            format!("a table of trials such as {}, whose trials are already extracted and labelled", path.display());
-        self.refuse_but(&["--preset", "--min-samples"], &table)
-    }
-
     /// How readings become contacts, for the classifier `touch`.
     ///
     /// # Errors
@@ -204,15 +196,11 @@ impl TrialArguments {
         self.refuse_but(&[], what)
     }
 
-    /// Refuses options that do not apply to verdicts frame by frame.
-    pub fn refuse_online(&self) -> Result<(), Failure> {
-        self.refuse_but(&Self::OF_CONTACTS, "online verdicts, which are given for each taxel from its first sample on")
-    }
-
     /// The options that are not about trials only.
-    const OF_CONTACTS: [&str; 2] = ["--patch", "--threshold-n"];
+    pub const OF_CONTACTS: [&str; 2] = ["--patch", "--threshold-n"];
 
-    fn refuse_but(&self, allowed: &[&str], what: &str) -> Result<(), Failure> {
+    /// Refuses options that do not apply to something, which are all but these.
+    pub fn refuse_but(&self, allowed: &[&str], what: &str) -> Result<(), Failure> {
         let given = given(self).into_iter().filter(|option| !allowed.contains(&option.as_str()));
         refuse(given, &format!("does not apply to {what}"))
     }

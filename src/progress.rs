@@ -1,10 +1,9 @@
 //! Progress bars on stderr for long work: items done, time left, goals reached. Hidden unless stderr is a terminal.
 
-use std::fmt::Write;
 use std::sync::Mutex;
 use std::time::Duration;
 
-use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
+use indicatif::{ProgressBar, ProgressStyle};
 use underbrush_experiments::{Counter, Progress};
 use underbrush_recording::{GoalOutcomes, escaped};
 
@@ -54,35 +53,13 @@ impl Counter for Bar {
 pub fn bar(length: u64, things: &str) -> ProgressBar {
     let bar = ProgressBar::new(length);
     let things = escaped(things).replace('{', "{{").replace('}', "}}");
-    let template = format!("{{bar:30}} {{pos}}/{{len}} {things}{{left}}  {{msg}}");
+    let template = format!("{{bar:30}} {{pos}}/{{len}} {things}, {{eta}} left  {{msg}}");
     if let Ok(style) = ProgressStyle::with_template(&template) {
-        bar.set_style(style.with_key("left", |state: &ProgressState, to: &mut dyn Write| {
-            let _ = to.write_str(&left(state.eta()));
-        }));
+        bar.set_style(style);
     }
     // This takes a thread.
     if !bar.is_hidden() {
         bar.enable_steady_tick(Duration::from_millis(200));
     }
     bar
-}
-
-/// The time left, as text. Empty in the last second, and without an estimate, which is then zero.
-fn left(estimate: Duration) -> String {
-    match estimate.as_secs() {
-        0 => String::new(),
-        _ => format!(", {:#} left", HumanDuration(estimate)),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Tests that a bar says nothing about the time left before there is an estimate.
-    #[test]
-    fn no_time_is_left_without_an_estimate() {
-        assert_eq!(left(ProgressBar::hidden().eta()), "");
-        assert_eq!(left(Duration::from_millis(2300)), ", 2s left");
-    }
 }

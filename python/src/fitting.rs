@@ -136,19 +136,6 @@ pub fn classifiers() -> Vec<(&'static str, &'static str)> {
     CLASSIFIERS.iter().map(|kind| (kind.name, kind.summary)).collect()
 }
 
-/// An estimator from options or from a Python classifier, and the [`Stop`] that keeps the exceptions of the latter.
-///
-/// # Errors
-/// `Fault::Input` for anything else.
-pub fn estimator_of(value: &Bound<'_, PyAny>) -> Result<(Box<dyn Estimator>, Arc<Stop>), Failure> {
-    let raised = Arc::new(Stop::default());
-    let estimator: Box<dyn Estimator> = match value.cast::<Options>() {
-        Ok(options) => options.get().estimator()?,
-        Err(_) => Box::new(PythonEstimator::of(value, &raised)?),
-    };
-    Ok((estimator, raised))
-}
-
 /// Cross-validate a classifier; or evaluate a model, or a classifier fitted to other trials, on trials with ground truth.
 #[pyfunction]
 #[pyo3(name = "evaluate", signature = (trials, classifier, *, folds = None, group = None, train = None, decision = None,
@@ -188,7 +175,11 @@ pub fn evaluate_trials<'py>(
         let fitted = PythonClassifier::of(classifier, &raised)?;
         return judged(watched(py, jobs, &raised, None, |_| Ok(evaluate(&fitted, list, &decision)?))?);
     }
-    let (estimator, raised) = estimator_of(classifier)?;
+    let raised = Arc::new(Stop::default());
+    let estimator: Box<dyn Estimator> = match classifier.cast::<Options>() {
+        Ok(options) => options.get().estimator()?,
+        Err(_) => Box::new(PythonEstimator::of(classifier, &raised)?),
+    };
     if train.is_some() {
         refuse("train", &of_folds)?;
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
 use underbrush_experiments::{VerdictControl, audit};
-use underbrush_recording::disk::{Dataset, DiskError, Shard, Shards, check_not_input, make_room};
+use underbrush_recording::disk::{Dataset, Shard, Shards, check_not_input, make_room};
 use underbrush_recording::stop;
 
 use crate::dataset::lasting;
@@ -150,11 +150,7 @@ pub fn merge(
     let merge = |_: &_| {
         let shards = Shards::open(&parts)?;
         make_room(&out, force)?;
-        match shards.merge(&out, resume, stop::check) {
-            // With `resume`, this means that the set has the same plan.
-            Err(DiskError::Finished { .. }) if resume => Ok(Dataset::open(&out)?),
-            merged => Ok(merged?),
-        }
+        Ok(shards.merge(&out, resume, stop::check)?)
     };
     Ok(PyDataset::new(watched(py, None, &Arc::default(), None, merge)?))
 }

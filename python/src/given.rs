@@ -28,11 +28,7 @@ pub fn features(value: Option<&Bound<'_, PyAny>>) -> Result<Option<FeatureSet>, 
     if let Ok(text) = value.extract::<String>() {
         return Ok(Some(text.parse()?));
     }
-    let names: Vec<String> = value.extract().map_err(|_| {
-        let remedy = "give a list such as [\"force\", \"motion\"]";
-        Failure::argument("features", value.to_string(), "names of features", remedy)
-    })?;
-    Ok(Some(FeatureSet::from_names(&names)?))
+    Ok(Some(FeatureSet::from_names(&Vec::<String>::of("features", value)?)?))
 }
 
 /// How trials are cut.

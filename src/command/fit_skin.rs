@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::builder::TypedValueParser;
 use clap::{ArgGroup, Args};
-use serde::Serialize;
+use serde_json::json;
 use underbrush_exchange::press::{Estimate, PressFit, Punch, fit_press, read_press};
 use underbrush_sim::materials::{CONSTANTS, Constant, MaterialFile};
 
@@ -37,13 +37,6 @@ pub struct FitSkinOptions {
 
 fn positive() -> impl TypedValueParser<Value = f64> {
     options::number(|value: &f64| value.is_finite() && *value > 0.0, "must be above 0")
-}
-
-#[derive(Serialize)]
-struct Report {
-    #[serde(flatten)]
-    fit: PressFit,
-    file: Option<String>,
 }
 
 /// Fits, prints and writes.
@@ -88,8 +81,9 @@ pub fn run(options: FitSkinOptions, json: bool) -> Result<(), Failure> {
     if let Some(out) = &options.out {
         output::write_file(out, MaterialFile { constants }.text().as_bytes())?;
     }
-    let file = options.out.map(|out| out.display().to_string());
-    output::result(json, &Report { fit: fit.clone(), file }, || text(&fit))
+    let mut report = json!(fit);
+    report["file"] = json!(options.out.map(|out| out.display().to_string()));
+    output::result(json, &report, || text(&fit))
 }
 
 fn text(fit: &PressFit) -> String {

@@ -1,39 +1,27 @@
 //! `underbrush inspect`: checks a file or folder and shows what it contains.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::{Value, json};
 use underbrush_experiments::inspection;
 use underbrush_experiments::torque_balance::{TorqueBalance, torque_balance};
-use underbrush_recording::{Fault, InputError, TEXT_BYTES, read_text};
 use underbrush_report::drawing::Rows;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::audit::exceeds;
-use underbrush_sim::materials::CONSTANTS;
 
-use super::schema::Kind;
 use super::{Overwrite, picture};
 use crate::options::whole;
 use crate::{Failure, output};
 
-/// Columns of the table of an arm's chain: title and key.
-const CHAIN: [[&str; 2]; 10] = [
-    ["joint", "joint"],
-    ["moves", "moves"],
-    ["limits / deg", "limits_deg"],
-    ["controller / deg", "controller_limits_deg"],
-    ["start / deg", "start_deg"],
-    ["stiffness / (N m/rad)", "stiffness_nm_per_rad"],
-    ["damping / (N m s/rad)", "damping_nm_s_per_rad"],
-    ["torque / (N m)", "torque_limit_nm"],
-    ["mass / kg", "mass_kg"],
-    ["shapes", "shapes"],
-];
-
-/// Further lists that are shown as tables: the key, and those of the columns.
+/// Lists that are shown as tables: the key, and those of the columns.
 const LISTS: &[(&str, &str)] = &[
+    (
+        "chain",
+        "joint moves limits_deg controller_limits_deg start_deg stiffness_nm_per_rad damping_nm_s_per_rad torque_limit_nm \
+         mass_kg shapes",
+    ),
     ("patches", "name link taxels grid pitch_mm"),
     ("recordings", "recording scene frames objects contacts goals doubtful"),
 ];
@@ -60,8 +48,7 @@ pub struct InspectOptions {
 
 /// Checks the file or folder and prints what it contains.
 pub fn run(options: InspectOptions, json: bool) -> Result<(), Failure> {
-    let inspected = inspection::inspect(&options.path, options.seed.unwrap_or(0));
-    let mut found = inspected.map_err(|fault| of_another_kind(&options.path).map_or(fault, Fault::from))?;
+    let mut found = inspection::inspect(&options.path, options.seed.unwrap_or(0))?;
     // Each option is for what has this key.
     let of_kind = [
         (options.seed.is_some(), "goals_with_a_way", "--seed is for scenes"),
@@ -90,29 +77,6 @@ pub fn run(options: InspectOptions, json: bool) -> Result<(), Failure> {
     passed.map_or(Ok(()), |complaint| Err(Failure::run(complaint).about(&options.path)))
 }
 
-/// The error about a TOML file that is read by another command: all its top-level keys are those of another kind.
-fn of_another_kind(path: &Path) -> Option<InputError> {
-    let file: toml::Table = read_text(path, &TEXT_BYTES, "", "").ok()?.parse().ok()?;
-    let is_of = |kind: Kind| {
-        let schema: Value = kind.schema().into();
-        file.keys().all(|key| schema["properties"].get(key).is_some())
-    };
-    if is_of(Kind::Scene) {
-        return None;
-    }
-    let has_constants = file.keys().all(|key| CONSTANTS.iter().any(|(name, _)| name == key));
-    let kinds = [
-        (is_of(Kind::Suite), "a suite", "run it with `underbrush check`"),
-        (is_of(Kind::Experiment), "an experiment", "run it with `underbrush reproduce --experiment`"),
-        (is_of(Kind::Skin), "a skin", "inspect the arm that names it"),
-        (is_of(Kind::Mapping), "a mapping", "give it to `underbrush import --mapping`"),
-        (has_constants, "a file of materials", "give it to `underbrush generate --materials`"),
-    ];
-    let (_, kind, remedy) = kinds.into_iter().find(|(is_it, ..)| *is_it)?;
-    let found = format!("what seems to be {kind}");
-    Some(InputError::new(path, "input", found, "a scene or an arm, if it is a TOML file", remedy))
-}
-
 /// The scenes in which torques and contacts do not explain the motion, if there are any.
 fn unexplained(balance: &BTreeMap<String, TorqueBalance>) -> Option<String> {
     let scene = |(scene, own): (&String, &TorqueBalance)| {
@@ -134,11 +98,10 @@ fn text(value: &Value, depth: usize) -> String {
             .map(|(key, value)| match value {
                 Value::Object(inner) if !inner.is_empty() => format!("{pad}{key}:\n{}", text(value, depth + 1)),
                 Value::String(plain) => format!("{pad}{key}: {plain}\n"),
-                Value::Array(joints) if key == "chain" => format!("{pad}{key}:\n{}", table(joints, CHAIN)),
                 Value::Array(list) if list.iter().all(Value::is_object) && !list.is_empty() => {
                     let entries = || list.iter().map(|entry| format!("{pad}  {entry}\n")).collect::<String>();
                     let columns = LISTS.iter().find(|(name, _)| name == key).map(|(_, columns)| columns.split(' '));
-                    let text = columns.map_or_else(entries, |keys| table(list, keys.map(|key| [key, key])));
+                    let text = columns.map_or_else(entries, |keys| table(list, keys));
                     format!("{pad}{key}:\n{text}")
                 }
                 other => format!("{pad}{key}: {other}\n"),
@@ -148,8 +111,8 @@ fn text(value: &Value, depth: usize) -> String {
     }
 }
 
-/// One line for each of these, under titles with units.
-fn table(list: &[Value], columns: impl IntoIterator<Item = [&'static str; 2]>) -> String {
+/// One line for each of these, under the keys.
+fn table(list: &[Value], keys: impl Iterator<Item = &'static str>) -> String {
     let cell = |value: &Value| match value {
         Value::Null => "none".into(),
         Value::Object(_) => format!("{} x {}", value["rows"], value["columns"]),
@@ -158,8 +121,8 @@ fn table(list: &[Value], columns: impl IntoIterator<Item = [&'static str; 2]>) -
         Value::Array(ends) => ends.iter().map(Value::to_string).collect::<Vec<_>>().join(" to "),
         other => other.to_string(),
     };
-    let column = |rows: Rows<_>, [title, key]: [&'static str; 2]| rows.column(title, |own: &Value| cell(&own[key]));
-    columns.into_iter().fold(Rows::of(list), column).text()
+    let column = |rows: Rows<_>, key: &'static str| rows.column(key, |own: &Value| cell(&own[key]));
+    keys.fold(Rows::of(list), column).text()
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use underbrush_recording::disk::{Dataset, DiskError, Shards, make_room};
+use underbrush_recording::disk::{Shards, make_room};
 
 use super::generate::Summary;
 use super::overwrite::check_outside;
@@ -34,14 +34,6 @@ pub fn run(options: MergeOptions, json: bool) -> Result<(), Failure> {
     make_room(&out, overwrite.force)?;
     interrupt::kept("what is complete is", &out, overwrite.again());
     let bar = progress::bar(shards.plan.episodes.len() as u64, "reaches");
-    let dataset = match shards.merge(&out, resume, move || bar.inc(1)) {
-        // With `resume`, this means that the set has the same plan.
-        Err(DiskError::Finished { .. }) if resume => {
-            output::remark(format!("{}: the data set is finished; there is nothing to do", out.display()));
-            Dataset::open(&out)?
-        }
-        merged => merged?,
-    };
-    let summary = Summary::of(&dataset, None);
+    let summary = Summary::of(&shards.merge(&out, resume, move || bar.inc(1))?, None);
     output::result(json, &summary, || summary.text())
 }

@@ -226,16 +226,11 @@ impl Report {
 
     /// How many trials there are on the patch.
     fn trials(&self) -> String {
-        let of_taxels = |count| output::counted(count, "taxel trial", "taxel trials");
-        match (&self.patch, self.taxel_trials, self.component_trials) {
-            (Some(patch), Some(taxels), Some(components)) => {
-                let components = output::counted(components, "component trial", "component trials");
-                format!("{} and {components} on patch {patch}", of_taxels(taxels))
-            }
-            (Some(patch), Some(taxels), None) => {
-                format!("{} on patch {patch}; its taxels form no grid, so it has no components", of_taxels(taxels))
-            }
-            _ => "the arm has no skin, so there are no trials".into(),
-        }
+        let Some(patch) = &self.patch else { return "the arm has no skin, so there are no trials".into() };
+        let taxels = self.taxel_trials.map(|count| output::counted(count, "taxel trial", "taxel trials"));
+        let components =
+            self.component_trials.map(|count| output::counted(count, "component trial", "component trials"));
+        let trials: Vec<String> = taxels.into_iter().chain(components).collect();
+        format!("{} on patch {patch}", trials.join(" and "))
     }
 }

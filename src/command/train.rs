@@ -17,7 +17,7 @@ use underbrush_report::drawing::Rows;
 use super::touch::{self, RiskArguments, SimulatedArguments};
 use super::{EstimatorArguments, Overwrite};
 use crate::input::{self, TrialInput};
-use crate::options::{TrialArguments, checked};
+use crate::options::{TrialArguments, checked, refuse};
 use crate::{Failure, output};
 
 /// Options of `underbrush train`.
@@ -104,21 +104,16 @@ pub fn run(options: TrainOptions, json: bool) -> Result<(), Failure> {
     // The models of --start may be replaced by what they are trained to.
     options.overwrite.file(&options.out, options.trials.iter().chain(&options.auxiliary))?;
     if options.estimator.is_touch()? {
-        if options.false_positive_rate.is_some() {
-            return Err(Failure::usage(
-                "--false-positive-rate does not apply to --classifier touch, whose limits are chosen in training; leave it out, \
-                 and give classify or evaluate --unknown-share",
-            ));
-        }
+        let rate = options.false_positive_rate.map(|_| "--false-positive-rate".to_owned());
+        refuse(rate, "does not apply to --classifier touch, whose limits are chosen in training")?;
         let cut = options.cut.touch()?;
         let (known, auxiliary) = (&options.trials, &options.auxiliary);
         return touch::train(known, auxiliary, &cut, &options.simulated, options.risk.limit_wrong, &options.out, json);
     }
-    if !options.auxiliary.is_empty() {
-        return Err(Failure::usage("--auxiliary applies to --classifier touch only; leave it out"));
-    }
-    options.simulated.refuse("applies to --classifier touch only")?;
-    options.risk.refuse("applies to --classifier touch only")?;
+    let of_touch = "applies to --classifier touch only";
+    refuse(options.auxiliary.first().map(|_| "--auxiliary".to_owned()), of_touch)?;
+    options.simulated.refuse(of_touch)?;
+    options.risk.refuse(of_touch)?;
     let estimator = options.estimator.estimator()?;
     let path = input::only(&options.trials)?;
     let read = input::some_trials(path, &options.cut)?;

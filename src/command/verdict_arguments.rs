@@ -1,6 +1,5 @@
 //! Options about verdicts: how scores become verdicts, and which verdicts a controller is told.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -46,21 +45,6 @@ fn prior(text: &str) -> Result<(String, f64), String> {
     options::pair(text, '=').ok_or_else(|| "must be CATEGORY=P, such as leaf=0.7".into())
 }
 
-/// The values of an option that is given for each category.
-///
-/// # Errors
-/// If it is given twice for one.
-fn by_category(option: &str, given: &[(String, f64)]) -> Result<BTreeMap<String, f64>, Failure> {
-    let mut values = BTreeMap::new();
-    for (category, value) in given {
-        if values.insert(category.clone(), *value).is_some() {
-            let text = format!("{option} is given twice for {category}; give it once for each category");
-            return Err(Failure::usage(text));
-        }
-    }
-    Ok(values)
-}
-
 impl DecisionArguments {
     /// Refuses options that a touch model would ignore: these, and another one if it is given.
     pub fn refuse_for_touch_model(&self, other: Option<String>) -> Result<(), Failure> {
@@ -88,8 +72,8 @@ impl DecisionArguments {
             }
         };
         let decision = scores.decision(rule)?;
-        let prior = by_category("--prior", &self.prior)?;
-        Ok(if prior.is_empty() { decision } else { Decision { prior, ..decision } })
+        let prior = self.prior.iter().cloned().collect();
+        Ok(if self.prior.is_empty() { decision } else { Decision { prior, ..decision } })
     }
 }
 
@@ -115,12 +99,11 @@ impl VerdictArguments {
     /// The verdicts that the options ask for.
     ///
     /// # Errors
-    /// If the model cannot be read, or `--allow` names something twice or something that no verdict says.
+    /// If the model cannot be read, or `--allow` names something that no verdict says.
     pub fn control(&self) -> Result<Option<VerdictControl>, Failure> {
-        let allowed = by_category("--allow", &self.allow)?;
         match self.verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten() {
-            Some(control) => Ok(Some(control.with_asked(allowed)?)),
-            None if allowed.is_empty() => Ok(None),
+            Some(control) => Ok(Some(control.with_asked(self.allow.iter().cloned())?)),
+            None if self.allow.is_empty() => Ok(None),
             None => Err(Failure::usage("--allow needs verdicts; give --verdicts a touch model or `truth`")),
         }
     }

@@ -79,8 +79,8 @@ fn a_touch_model_is_no_model_of_trials() {
     fault.check(&underbrush!["train", table, "--start", touch, "--out", out]);
     // A table of trials has no frames.
     let table_name = table.display().to_string();
+    underbrush!["classify", touch, table].refused(&[&table_name, "bytes that are not Parquet"]);
     for answer in [
-        underbrush!["classify", touch, table],
         underbrush!["evaluate", table, "--model", touch],
         underbrush!["evaluate", table, "--classifier", "touch"],
         underbrush!["train", table, "--classifier", "touch", "--out", out],

@@ -255,7 +255,4 @@ fn unknown_names() {
     underbrush!["train", text, "--out", table].refused(&["trials.txt", "extension \"txt\""]);
     let prior = underbrush!["classify", fixture.model(), fixture.table_csv(), "--prior", "moss=0.5"];
     prior.refused(&["moss"]);
-    let twice =
-        underbrush!["classify", fixture.model(), fixture.table_csv(), "--prior", "leaf=0.7", "--prior", "leaf=0.1"];
-    twice.refused(&["--prior is given twice for leaf"]);
 }

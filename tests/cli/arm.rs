@@ -124,8 +124,8 @@ fn the_chain_is_a_table() {
     let cells = |line: usize| {
         lines[line].split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect::<Vec<_>>().join(" | ")
     };
-    let titles = "joint | moves | limits / deg | controller / deg | start / deg | stiffness / (N m/rad) | \
-                  damping / (N m s/rad) | torque / (N m) | mass / kg | shapes";
+    let titles = "joint | moves | limits_deg | controller_limits_deg | start_deg | stiffness_nm_per_rad | \
+                  damping_nm_s_per_rad | torque_limit_nm | mass_kg | shapes";
     assert_eq!(cells(0), titles);
     // 2.5133 rad are 144.0 deg.
     let elbow = "elbow_flexion | elbow | 0.0 to 144.0 | 0.0 to 144.0 | 122.0 | 25.0 | 1.43 | 20.0 | 0.3388 | 1";

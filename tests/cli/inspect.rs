@@ -74,19 +74,3 @@ fn a_folder_of_recordings_is_inspected() {
     let lines: Vec<&str> = text.lines().skip_while(|line| *line != "recordings:").collect();
     assert!(lines[3].contains("a.parquet") && lines[4].contains("b.parquet"), "{text}");
 }
-
-/// Tests that a TOML file that another command reads is named as what it is, with that command.
-#[test]
-fn files_of_other_commands_are_named() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    for (file, kind, remedy) in [
-        ("suites/trunk.toml", "a suite", "underbrush check"),
-        ("experiments/paper.toml", "an experiment", "underbrush reproduce --experiment"),
-        ("sim/arms/cody/cody.skin.toml", "a skin", "inspect the arm that names it"),
-        ("fuzz/corpus/mapping/csv.toml", "a mapping", "underbrush import --mapping"),
-        ("sim/materials.toml", "a file of materials", "underbrush generate --materials"),
-    ] {
-        let found = format!("found what seems to be {kind}\n");
-        underbrush!["inspect", root.join(file)].refused(&[file, &found, "a scene or an arm", remedy]);
-    }
-}

@@ -199,6 +199,6 @@ fn the_skin_is_told() {
     let text = classify(&fixture().model(), &[], line).success();
     assert!(text.contains("taxels[0].patch") && text.contains("forearm"), "{text}");
     let table = format!("--skin={}", fixture().table_csv().display());
-    classify(&fixture().model(), &[&table], line).refused(&["--skin", "another kind of file"]);
+    classify(&fixture().model(), &[&table], line).refused(&["trials.csv", "bytes that are not Parquet"]);
     classify(&fixture().model(), &["--skin=absent.toml"], line).refused(&["absent.toml", "no such file"]);
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::support::fixture::fixture;
-use crate::support::{call, underbrush};
+use crate::support::underbrush;
 
 fn read(path: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
@@ -33,26 +33,6 @@ fn data_set_and_tables_train_the_same_model() {
     assert_eq!(models[0], models[1]);
     assert_eq!(models[1], models[2]);
     assert_eq!(models[1], without_origin(&fixture.model()));
-}
-
-/// Tests that `train` says that the paper's preset does not change the labels of a table, and that it does not say so
-/// without the preset, or for a data set, whose labels the preset does change.
-#[test]
-fn the_preset_does_not_relabel_a_table() {
-    let folder = tempfile::tempdir().unwrap();
-    let model = folder.path().join("model.json");
-    let train = |source: &Path, options: &[&str]| {
-        let mut arguments = vec!["train".into(), source.into(), "--force".into(), "--out".into(), model.clone().into()];
-        arguments.extend(["--classifier", "naive-bayes", "--min-samples", "1"].map(Into::into));
-        arguments.extend(options.iter().map(Into::into));
-        call(arguments, "")
-    };
-    let (paper, remark) = (["--preset", "paper"], "the trials of a table keep their labels");
-    let of_table = train(&fixture().table_csv(), &paper);
-    assert!(of_table.stderr.contains(remark), "{}", of_table.stderr);
-    of_table.success();
-    assert!(!train(&fixture().table_csv(), &[]).stderr.contains(remark));
-    assert!(!train(&fixture().dataset(), &paper).stderr.contains(remark));
 }
 
 /// Tests the format, features and shapes of the model file, that rows sum to 1, and that a left-to-right model has no

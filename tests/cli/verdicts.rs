@@ -87,16 +87,12 @@ fn verdicts_without_a_touch_model_are_refused() {
     underbrush!["reach", scene, "--verdicts", folder.path().join("none.json")].refused(&["none.json", "touch model"]);
 }
 
-/// Tests that `--allow` is refused without verdicts, without a category, twice for a category, and for a category that the model never
-/// names.
+/// Tests that `--allow` is refused without verdicts, without a category, and for a category that the model never names.
 #[test]
 fn forces_on_what_no_verdict_says_are_refused() {
     let scene = fixture().trunk_scene();
     underbrush!["reach", scene, "--verdicts", "none", "--allow", "leaf=6"].refused(&["--allow needs verdicts"]);
     underbrush!["reach", scene, "--verdicts", "truth", "--allow", "=6"].refused(&["must be a category and a force"]);
-    let twice = ["--allow", "trunk=1", "--allow", "trunk=9"];
-    underbrush!["reach", scene, "--verdicts", "truth", twice[0], twice[1], twice[2], twice[3]]
-        .refused(&["--allow is given twice for trunk"]);
     let verdicts = ["no verdict of the touch model is called leef", "allowed: leaf, trunk, unknown"];
     underbrush!["reach", scene, "--verdicts", super::touch::model(), "--allow", "leef=6"].refused(&verdicts);
 }

@@ -26,43 +26,18 @@ struct Columns {
 }
 
 impl Columns {
-    /// Finds the columns of the mapping among the names in the header, which is at this line.
-    fn find(path: &Path, mapping: &Mapping, names: &csv::StringRecord, line: usize) -> Result<Self, InputError> {
+    /// Finds the columns of the mapping among the names in the header.
+    fn find(path: &Path, mapping: &Mapping, names: &csv::StringRecord) -> Result<Self, InputError> {
         let MappingFile { time, force, trial, .. } = &mapping.file;
-        let has = |name: &str| names.iter().any(|column| column == name);
-        let mut further = [&time.from, &trial.category_from, &trial.reach_from].into_iter().flatten();
-        let has_none = !has(&force.from.replace(TAXEL, "0")) && !further.any(|name| has(name));
-        let is_row = has_none && names.iter().any(|column| column.parse::<f64>().is_ok());
         let place = |field: &str, name: &str| -> Result<usize, InputError> {
             // `InputError` shortens the list if it is long.
-            let listed = || names.iter().collect::<Vec<_>>().join(", ");
-            let allowed = || format!("a column of {}: {}", path.display(), listed());
+            let allowed =
+                || format!("a column of {}: {}", path.display(), names.iter().collect::<Vec<_>>().join(", "));
             let mut found = names.iter().enumerate().filter(|(_, column)| *column == name);
             match (found.next(), found.next()) {
                 (Some((place, _)), None) => Ok(place),
-                (None, _) if names.len() < 2 && names.iter().all(|name| name.contains([';', '\t'])) => {
-                    let found = names.get(0).map_or("an empty file".into(), |name| format!("one column, {name:?}"));
-                    let allowed = "columns with commas between them, and their names in the first line";
-                    let remedy = "write the file with commas between cells, and points in numbers";
-                    Err(InputError::new(path, "CSV", found, allowed, remedy).at_line(line))
-                }
-                (None, _) if is_row => {
-                    let allowed = "the names of the columns, in the first line that does not begin with `#`";
-                    let remedy = format!("write {name:?} and the others there, or change `{field}` of the mapping");
-                    Err(InputError::new(path, "header", format!("numbers: {}", listed()), allowed, remedy)
-                        .at_line(line))
-                }
-                (None, _) => {
-                    let fault = mapping.fault(field, format!("{name:?}, which is no column"), allowed());
-                    let after_last = force.from.replace(TAXEL, &mapping.taxels().to_string());
-                    let is_from_1 = name == force.from.replace(TAXEL, "0") && has(&after_last);
-                    let remedy = "number the columns of the taxels from 0, not from 1";
-                    Err(if is_from_1 { InputError { remedy: remedy.into(), ..fault } } else { fault })
-                }
-                (Some(_), Some(_)) => {
-                    let fault = mapping.fault(field, format!("{name:?}, which two columns have"), allowed());
-                    Err(InputError { remedy: "give one of the two columns another name".into(), ..fault })
-                }
+                (None, _) => Err(mapping.fault(field, format!("{name:?}, which is no column"), allowed())),
+                (Some(_), Some(_)) => Err(mapping.fault(field, format!("{name:?}, which two columns have"), allowed())),
             }
         };
         let optional = |field: &str, name: &Option<String>| name.as_deref().map(|name| place(field, name)).transpose();
@@ -100,17 +75,6 @@ impl Columns {
     }
 }
 
-/// Blanks the comment lines above the header, which begin with `#`. The line numbers of the rows stay the same.
-fn without_comments(text: &mut [u8]) {
-    let is_comment = |line: &[u8]| {
-        let line = line.strip_prefix("\u{feff}".as_bytes()).unwrap_or(line).trim_ascii();
-        line.is_empty() || line.starts_with(b"#")
-    };
-    // A carriage return ends a line, too, but is not counted.
-    let lines = text.split_mut(|byte| *byte == b'\n').take_while(|line| is_comment(line));
-    lines.for_each(|line| line.fill(b'\r'));
-}
-
 /// Hands all rows of the file to the cutter and, if there is one, to the recorder. Returns a warning for everything that is
 /// suspicious about the file.
 pub(super) fn read(
@@ -122,20 +86,20 @@ pub(super) fn read(
     if mapping.file.time.from.is_none() && mapping.file.time.rate_hz.is_none() {
         return Err(mapping.fault("time.from", "nothing".into(), "the column of the times, or `rate_hz`"));
     }
-    let mut text = read_bytes(path, &CSV_BYTES, "a readable file", "check the path")?;
+    let text = read_bytes(path, &CSV_BYTES, "a readable file", "check the path")?;
     let mut parser = csv::ReaderBuilder::new();
     parser.trim(csv::Trim::All);
     // The name of the first column may begin with `#`, too.
-    let is_header = |names: &csv::StringRecord| Columns::find(path, mapping, names, 1).is_ok();
+    let is_header = |names: &csv::StringRecord| Columns::find(path, mapping, names).is_ok();
     if !parser.from_reader(&text[..]).headers().is_ok_and(is_header) {
-        without_comments(&mut text);
+        parser.comment(Some(b'#'));
     }
     let remedy = "repair the file, or write it again as UTF-8 with one row per line";
     let unreadable = |error: csv::Error| InputError::of_csv(path, "CSV", &text, error, remedy);
     let mut reader = parser.from_reader(&text[..]);
     let names = reader.headers().map_err(unreadable)?.clone();
     let line_of = |row: &csv::StringRecord| row.position().map_or(1, |position| line_of_row(&text, position));
-    let columns = Columns::find(path, mapping, &names, line_of(&names))?;
+    let columns = Columns::find(path, mapping, &names)?;
     let mut row = csv::StringRecord::new();
     let mut readings = vec![0.0; columns.forces.len()];
     let mut channels: Vec<Vec<Option<f64>>> = vec![Vec::new(); columns.channels.len()];

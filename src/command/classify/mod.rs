@@ -95,7 +95,8 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
     };
     options.touch.refuse_for_trials()?;
     if options.online || is_stream {
-        options.cut.refuse_online()?;
+        let online = "online verdicts, which are given for each taxel from its first sample on";
+        options.cut.refuse_but(&TrialArguments::OF_CONTACTS, online)?;
         let decision = options.decision.decision(&Scores::of_model(&model))?;
         let settings = OnlineOptions::new(options.cut.patch.clone(), Some(options.cut.threshold_n()), decision);
         model.provenance.warn_of_unit("frame by frame", Some(Unit::Taxel));

@@ -19,7 +19,7 @@ pub use rows::whole_number;
 
 use super::check::{Violation, require};
 use super::files::{remove_leftovers, written};
-use super::table::{Column, EPISODE_COLUMN, Field, Row, Text};
+use super::table::{Column, Field, Row, Text};
 use super::{DiskError, Result};
 use crate::disk::tables::dictionary::table;
 use crate::trial::TRIAL_COLUMNS as COLUMNS;
@@ -105,17 +105,9 @@ fn place_columns(path: &Path, names: &[String]) -> Result<[Option<usize>; COLUMN
             return Err(error(column, "two such columns".into(), "rename or delete one of them"));
         }
         if place.is_none() && REQUIRED.contains(&column) {
+            let remedy = "rename the right column (names are case-sensitive, with commas between them), or cut a robot's log into \
+                          trials with `underbrush import`";
             let joined = names.join(", ");
-            let remedy = match joined.as_str() {
-                "" => "check the file: its first line must name the columns",
-                _ if joined.contains([';', '\t']) => "save the table with commas between its cells",
-                _ if names.iter().any(|name| name == EPISODE_COLUMN) => {
-                    "give the folder of the data set if this is one of its files, or rename the right column"
-                }
-                _ => {
-                    "rename the right column (names are case-sensitive), or cut a robot's log into trials with `underbrush import`"
-                }
-            };
             let found = if joined.is_empty() { "no columns".into() } else { format!("only the columns {joined}") };
             return Err(error(column, found, remedy));
         }

@@ -180,13 +180,17 @@ impl Shards {
     }
 
     /// Writes the set that one process would have made, byte for byte, into an empty or new folder. With `resume` it
-    /// continues an interrupted merge. As many reaches are in memory as there are threads. `merged` is called for each
-    /// reach that has been read.
+    /// continues an interrupted merge, or opens the set that a merge has finished. As many reaches are in memory as there
+    /// are threads. `merged` is called for each reach that has been read.
     ///
     /// # Errors
     /// As [`DatasetWriter::create`] and [`DatasetWriter::finish`], and [`DiskError::Input`] for damaged parts.
     pub fn merge(&self, out: &Path, resume: bool, merged: impl FnMut()) -> Result<Dataset, DiskError> {
-        self.merge_with(DatasetWriter::create(out, self.plan.clone(), resume)?, merged)
+        match DatasetWriter::create(out, self.plan.clone(), resume) {
+            // With `resume`, this means that the set has the same plan.
+            Err(DiskError::Finished { .. }) if resume => Dataset::open(out),
+            writer => self.merge_with(writer?, merged),
+        }
     }
 
     /// Writes the set with a writer for its plan.
