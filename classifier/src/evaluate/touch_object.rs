@@ -83,7 +83,7 @@ pub struct JudgedObject {
     pub true_stiffness_n_per_m: Option<f64>,
     /// How far it seems to have moved from where it was first felt, at its end, m.
     pub moved_m: f64,
-    /// How far the true object had moved since the first contact, at the last one, m; `None` if bodies are not recorded.
+    /// The farthest that the true object was from where it was when first felt, until it was last felt, m; `None` if bodies are not recorded.
     pub moved_true_m: Option<f64>,
     /// What it had done under the push, at its end.
     pub mobility: Mobility,

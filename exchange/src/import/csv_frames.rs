@@ -31,8 +31,7 @@ impl Columns {
         let MappingFile { time, force, trial, .. } = &mapping.file;
         let place = |field: &str, name: &str| -> Result<usize, InputError> {
             // `InputError` shortens the list if it is long.
-            let allowed =
-                || format!("a column of {}: {}", path.display(), names.iter().collect::<Vec<_>>().join(", "));
+            let allowed = || format!("a column of {}: {}", path.display(), names.iter().collect::<Vec<_>>().join(", "));
             let mut found = names.iter().enumerate().filter(|(_, column)| *column == name);
             match (found.next(), found.next()) {
                 (Some((place, _)), None) => Ok(place),

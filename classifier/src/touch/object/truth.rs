@@ -81,16 +81,19 @@ pub(crate) fn true_stiffness_n_per_m(recording: &Recording, frame: usize, object
     (work > GIVES_WAY_M * force_n).then(|| force_n * force_n / work)
 }
 
-/// How far an object has truly moved from the first of these frames to the second, m: the way of the centre of its shape that has moved
-/// farthest. `None` if its bodies are not recorded.
+/// How far an object has truly been in these frames, both included, from where it was in the first, m: the way of the centre of its shape
+/// that was farthest. `None` if its bodies are not recorded.
 pub(crate) fn true_displacement_m(recording: &Recording, frames: [usize; 2], object: u16) -> Option<f64> {
     let [first, last] = frames.map(|frame| u32::try_from(frame).unwrap_or(u32::MAX));
     let bodies = recording.bodies.iter().filter(|body| body.owner == BodyOwner::Object(object));
     let ways_m = bodies.flat_map(|body| {
-        let poses_world = [first, last].map(|frame| body.pose_world(frame));
-        body.parts.iter().map(move |part| {
-            let [before, after] = poses_world.map(|pose| pose.transform_point(part.pose_body.position));
-            before.distance(after)
+        let start_world = body.pose_world(first);
+        (first..=last).flat_map(move |frame| {
+            let pose_world = body.pose_world(frame);
+            body.parts.iter().map(move |part| {
+                let center = part.pose_body.position;
+                start_world.transform_point(center).distance(pose_world.transform_point(center))
+            })
         })
     });
     ways_m.reduce(math::larger)
@@ -135,7 +138,7 @@ mod tests {
         assert_eq!(true_stiffness_n_per_m(&recording, 0, 0), None);
     }
 
-    /// Tests that the displacement of an object is that of its shape that moved farthest, between the two frames and not from where it
+    /// Tests that the displacement of an object is that of its shape that moved farthest, from the first frame and not from where it
     /// was built, and that there is none without bodies.
     #[test]
     fn the_true_displacement_is_that_of_the_farthest_shape() {
@@ -152,10 +155,11 @@ mod tests {
             }
             body
         };
-        let bodies = vec![body(0, [0.5, 0.5, 0.503]), body(0, [0.1, 0.1, 0.11]), body(1, [0.0, 0.2, 0.9])];
+        let bodies = vec![body(0, [0.5, 0.5, 0.503]), body(0, [0.1, 0.1, 0.11]), body(1, [0.0, 0.2, 0.05])];
         let recording = Recording { bodies, ..recording(&[]) };
         let moved = |frames: [usize; 2], object: u16| true_displacement_m(&recording, frames, object);
         assert!((moved([1, 2], 0).unwrap() - 0.01).abs() < 3e-4, "{:?}", moved([1, 2], 0));
+        assert!((moved([0, 2], 1).unwrap() - 0.2).abs() < 3e-4, "it has come back: {:?}", moved([0, 2], 1));
         assert_eq!((moved([0, 1], 0), moved([0, 1], 2)), (Some(0.0), None));
     }
 }
