@@ -41,7 +41,6 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
     for (section, own) in tests.into_iter().filter_map(|(section, own)| Some((section, own.as_ref()?))) {
         let (first, why) = (own.reaches as u64, ": as many draws as `reaches` or more (8 if not given)");
         reaches(&format!("{section}.reaches"), Some(first), 1, "")?;
-        reaches(&format!("{section}.quick_reaches"), own.quick_reaches.map(|count| count as u64), 1, "")?;
         reaches(&format!("{section}.max_draws"), Some(own.max_draws), first, why)?;
     }
     for own in &file.engineered {

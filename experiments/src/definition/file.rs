@@ -149,12 +149,9 @@ fn default_draws() -> u64 {
 pub struct TestScene {
     /// Scene, as in `training`. Its objects, or its `stream`, differ from those of the training scenes.
     pub scene: String,
-    /// Number of reaches to test on.
+    /// Number of reaches to test on; one with `--quick`.
     pub reaches: usize,
-    /// Number of reaches with `--quick`; one if not given.
-    pub quick_reaches: Option<usize>,
-    /// Reaches are drawn until enough of them do what they should, but no more than this many, nor than twice
-    /// `quick_reaches` with `--quick`.
+    /// Reaches are drawn until enough of them do what they should, but no more than this many, nor than two with `--quick`.
     #[serde(default = "default_draws")]
     pub max_draws: u64,
 }

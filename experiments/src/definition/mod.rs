@@ -141,8 +141,7 @@ impl Experiment {
         }
         file.engineered.iter_mut().for_each(|own| own.max_draws = 1);
         for own in [&mut file.general, &mut file.outlier].into_iter().flatten() {
-            own.reaches = own.quick_reaches.unwrap_or(1);
-            own.max_draws = own.max_draws.min(2 * own.reaches as u64);
+            (own.reaches, own.max_draws) = (1, own.max_draws.min(2));
         }
         if let Some(own) = &mut file.verdicts {
             own.reaches = own.quick_reaches.unwrap_or(own.reaches.div_ceil(3));

@@ -103,15 +103,12 @@ fn categories_of(trials: &[Trial]) -> BTreeSet<&str> {
 }
 
 /// Trains every classifier at every setting on one half of the reaches and tests it at every setting on the other half.
-/// This way no clutter occurs in both halves, and all classifiers are trained on the same number of reaches.
+/// This way no clutter occurs in both halves, and all classifiers are trained on the same number of reaches. No setting may
+/// [`Folded::lack`] a category.
 ///
 /// # Errors
-/// If one half of a setting's reaches has no trial of some category, or fitting or scoring fails.
+/// If fitting or scoring fails.
 pub fn splits(experiment: &Experiment, settings: &[Folded]) -> Result<Vec<Split>, Fault> {
-    let all = settings.iter().flat_map(|setting| &setting.folds).flat_map(|fold| categories_of(fold)).collect();
-    if let Some(lack) = settings.iter().find_map(|setting| setting.lack(&all)) {
-        return Err(Fault::Usage(lack));
-    }
     let recipe = experiment.main_recipe();
     let entries = experiment.file.setting_classifiers.iter();
     let all: Vec<(&str, Box<dyn Estimator>)> =

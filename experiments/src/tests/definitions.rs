@@ -169,13 +169,6 @@ fn numbers_and_patch_are_checked_when_the_file_is_read() {
         ("[[settings]]\nname = \"nominal\"\nrobot = {}", 14, "settings.name", "nominal", "scenes' own setting"),
         ("[general]\nscene = \"one.toml\"\nreaches = 0", 15, "general.reaches", "0", "1 to 1000000"),
         (
-            "[outlier]\nscene = \"one.toml\"\nreaches = 1\nquick_reaches = 0",
-            16,
-            "outlier.quick_reaches",
-            "0",
-            "1 to 1000000",
-        ),
-        (
             "[second_outlier]\nscene = \"one.toml\"\nreaches = 5\nmax_draws = 4",
             16,
             "second_outlier.max_draws",

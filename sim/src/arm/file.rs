@@ -217,7 +217,6 @@ fn read_inertia(source: &Source, tables: &[InertiaTable]) -> Result<BTreeMap<Str
     let mut found = BTreeMap::new();
     for (number, table) in tables.iter().enumerate() {
         let entries = format!("inertia[{number}].entries_kg_m2");
-        source.check_each(&entries, &table.entries_kg_m2, limits::INERTIA_ENTRY_KG_M2)?;
         if let Some((found, allowed)) = inertia::fault(table.entries_kg_m2) {
             return Err(source.fault_at(&entries, found, allowed));
         }

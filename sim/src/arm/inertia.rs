@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, SymmetricEigen};
 use underbrush_recording::math::sorted;
 
-use super::limits::INERTIA_KG_M2;
-use super::source::significant;
+use super::limits::{INERTIA_ENTRY_KG_M2, INERTIA_KG_M2};
+use super::source::{listed, significant};
 use super::urdf_text::{Element, number};
 
 /// The entries ixx, ixy, ixz, iyy, iyz and izz of a URDF's `<inertia>`, kg m².
@@ -22,10 +22,13 @@ fn matrix([xx, xy, xz, yy, yz, zz]: Entries) -> Matrix3<f64> {
     Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
 }
 
-/// What is wrong with an inertia that no body has, and what is allowed. A body's principal moments are positive and satisfy the
+/// What is wrong with an inertia with entries out of range, or that no body has, and what is allowed. A body's principal moments are positive and satisfy the
 /// triangle inequality: none exceeds the sum of the other two (Traversaro et al., "Identification of fully physical consistent
 /// inertial parameters using optimization on manifolds", IROS 2016).
 pub(super) fn fault(entries: Entries) -> Option<(String, String)> {
+    if entries.iter().any(|entry| !INERTIA_ENTRY_KG_M2.hold(*entry)) {
+        return Some((listed(&entries), format!("numbers from {INERTIA_ENTRY_KG_M2}")));
+    }
     let moments = sorted(matrix(entries).symmetric_eigenvalues().as_slice().to_vec());
     let within = moments.iter().all(|moment| INERTIA_KG_M2.hold(*moment));
     if within && moments[2] <= (moments[0] + moments[1]) * ROUNDING {

@@ -334,10 +334,6 @@ impl<'a> Reader<'a> {
         let said = self.said.inertia.get(text(link, "name")).copied();
         let entries = said.unwrap_or_else(|| inertia::entries(child(inertial, "inertia")));
         let [xx, xy, xz, yy, yz, zz] = entries;
-        let entry = limits::INERTIA_ENTRY_KG_M2;
-        if entries.iter().any(|value| !entry.hold(*value)) {
-            return Err(self.elements.fault(inertial, "inertia", listed(&entries), &format!("numbers from {entry}")));
-        }
         if let Some((found, allowed)) = inertia::fault(entries) {
             let allowed =
                 format!("{allowed} (or [[inertia]] in the arm's TOML file, which `underbrush arm new` writes)");

@@ -29,16 +29,9 @@ pub(super) fn of(results: &EvaluationReport) -> String {
         };
         text += &by_samples(series);
     }
-    match &results.by_samples_of_all {
-        Some(series) => {
-            text += "\nThe same over all contacts, including short ones; only the trials above are used for fitting:\n";
-            text += &by_samples(series);
-        }
-        None if results.by_samples.is_some() && shortest > 1 => {
-            text += "\nFor the accuracy over all contacts, give trials of any length and choose with --min-samples which are used \
-                     for fitting.\n";
-        }
-        None => {}
+    if let Some(series) = &results.by_samples_of_all {
+        text += "\nThe same over all contacts, including short ones; only the trials above are used for fitting:\n";
+        text += &by_samples(series);
     }
     text
 }
