@@ -188,7 +188,8 @@ def test_depth_is_added_to_a_data_set(data: ub.Dataset, tmp_path: Path) -> None:
     assert np.abs(found_mm[is_there] / 1000 - drawn_m[is_there]).max() <= 0.5e-3 + 1e-6
     statistics: dict[str, Any] = json.loads((out / "meta" / "stats.json").read_text())[key]
     assert np.array(statistics["mean"]).shape == (1, 1, 1)
-    assert np.ravel(row[f"stats/{key}/mean"]) == pytest.approx(found_mm.mean(), rel=0.03)
+    # Statistics are of every fourth pixel of a few pictures, so the edges of shapes of 20 pixels are off by up to two.
+    assert np.ravel(row[f"stats/{key}/mean"]) == pytest.approx(found_mm.mean(), rel=0.1)
     other = {"front": CAMERA, "front_depth": CAMERA}
     with pytest.raises(ub.InputError, match="front_depth"):
         underbrush.video.lerobot(data.path, tmp_path / "refused", other, depth=True)
