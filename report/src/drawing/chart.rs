@@ -188,7 +188,8 @@ impl Chart {
         let top = (self.legend(&mut legend) + 1.0) * LINE + 10.0;
         let bottom = top + ROW * names.len() as f64;
         let longest = names.iter().map(|name| name.chars().count()).max().unwrap_or_default();
-        let left = (9.0 + LETTER * longest as f64).min(WIDTH / 2.0);
+        // The names of Table I take a little more than half of the width.
+        let left = (9.0 + LETTER * longest as f64).min(0.6 * WIDTH);
         let values = Fitted::new(&self.y.scale, self.layers.iter().flat_map(Layer::ys), 6.0).tight();
         let at = |value: f64| values.share(value).map(|share| left + share * (WIDTH - left - RIGHT));
         let mut svg = self.head(&legend, bottom);
