@@ -333,7 +333,7 @@ fn clusters_widen_the_interval() {
 }
 
 /// Tests that the interval of a balanced share is that of the mean over classes. In each of 20 reaches nine leaves are right, and in every
-/// second one the trunk is right, too: a share of 0.75 with half the standard error of 20 draws.
+/// second reach the trunk is right as well. The share is 0.75, with half the standard error of 20 draws.
 #[test]
 fn balanced_shares_have_their_own_interval() {
     let counts = (0..20).flat_map(|reach| [(reach, 0, [9, 9]), (reach, 1, [usize::from(reach % 2 == 0), 1])]);

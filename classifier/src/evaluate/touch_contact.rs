@@ -74,7 +74,7 @@ impl OpenContact {
 mod tests {
     use super::*;
 
-    /// Tests that of verdicts that alternate between right and wrong, half are right: those that stand, not those that ever stood.
+    /// Tests that half of the standing verdicts are right if the verdicts alternate between right and wrong.
     #[test]
     fn alternating_verdicts_are_half_right() {
         let mut contacts = Vec::new();
