@@ -9,7 +9,8 @@ use underbrush_sim::simulation::test_rig::LinkDescription;
 
 use crate::pressed_arm::GRAVITY_M_PER_S2;
 
-/// The same links, with a massless one between the two rotations of a joint, because a joint of a multibody has one rotation or three.
+/// The same links, with a massless one between the two rotations of a joint, because a joint of a multibody has one
+/// rotation or three.
 pub fn stacked(links: &[LinkDescription]) -> Vec<LinkDescription> {
     let mut stacked: Vec<LinkDescription> = Vec::new();
     let mut place = Vec::new();
